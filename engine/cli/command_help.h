@@ -13,6 +13,7 @@ namespace palpate {
 // Headings of groups of options in the help, in the order in which the groups are added.
 inline constexpr const char* kSceneGroup = "Scene";
 inline constexpr const char* kDeviceGroup = "Device";
+inline constexpr const char* kMotorGroup = "A device with motors, in place of the simulated hand";
 inline constexpr const char* kTouchGroup = "Touch";
 inline constexpr const char* kHandGroup = "Hand";
 inline constexpr const char* kA4Group = "A4, which turns the scene";
@@ -40,8 +41,8 @@ inline void set_help(CLI::App& app, const std::string& example,
   app.formatter(std::make_shared<HelpWithExample>(example));
   app.footer(last_lines +
              "Exit codes: 0; 1 for a fault of the program; 2 for bad arguments or bad input, "
-             "reported in one\nline; 3 for a run that is not comparable; 129 after SIGHUP, 130 "
-             "after Ctrl-C, 143 after SIGTERM.");
+             "reported in one\nline; 3 for a run that is not comparable or that a trip of the "
+             "device has ended; 129 after\nSIGHUP, 130 after Ctrl-C, 143 after SIGTERM.");
 }
 
 }  // namespace palpate

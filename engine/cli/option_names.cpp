@@ -40,6 +40,7 @@ constexpr OptionName kOptionNames[] = {
     {"RunSettings", "device.workspace", "--workspace"},
     {"RunSettings", "device.damping_Ns_per_m", "--device-damping"},
     {"ExplorationSettings", "seconds", "--seconds"},
+    {"GuardedRunSettings", "without_realtime", "--without-realtime"},
     {"ExplorationSettings", "seed", "--seed"},
     {"MeasurementEffort", "seed", "--seed"},
     {"OutputFiles", "folder", "--out"},

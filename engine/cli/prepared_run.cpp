@@ -76,7 +76,8 @@ Result<PreparedRun> prepare_run(const RunRequest& command) {
     misfit = check_fits(run);
   }
   // A --place that is too far away is the cause of a misfit, so its error comes first.
-  if (misfit) return check_setup(run.scene, run.setup).value_or(*misfit);
+  const bool has_hand = command.device.text.empty();
+  if (misfit && has_hand) return check_setup(run.scene, run.setup).value_or(*misfit);
   if (const auto error = choose_plane(command, run)) return *error;
   return run;
 }

@@ -15,7 +15,8 @@ struct PreparedRun {
 
 // Loads the scene and chooses the plane of a planar device. With --fit auto, a scene that does not
 // fit the workspace is scaled. Returns an error if the scene does not fit; the error names the
-// option to change.
+// option to change. A person with a device (RunRequest::device) may also explore a part of a scene
+// that does not fit.
 Result<PreparedRun> prepare_run(const RunRequest& command);
 
 }  // namespace palpate

@@ -82,7 +82,17 @@ std::string late_causes_text(const ExplorationRun& run) {
   return text.empty() ? text : text + ")";
 }
 
-std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
+// A person with a device has no path to follow.
+bool has_way(const ExplorationRun& run) {
+  return !run.contour_scene_m.empty() || !run.places_scene_m.empty();
+}
+
+Line way_line(const ExplorationRun& first) {
+  return {first.contour_scene_m.empty() ? "places reached" : "contour completed",
+          [](const ExplorationRun& r) { return format("%.1f %%", 100 * r.way_share); }};
+}
+
+std::vector<Line> run_lines(const Scene& scene) {
   using Run = ExplorationRun;
   const auto mean = [](const char* pattern, double RunSummary::*value, double factor) {
     return [=](const Run& r) {
@@ -92,8 +102,6 @@ std::vector<Line> run_lines(const Scene& scene, bool is_walk) {
   std::vector<Line> lines = {
       {"in contact",
        [](const Run& r) { return format("%.1f %%", 100 * r.summary.contact_share()); }},
-      {is_walk ? "places reached" : "contour completed",
-       [](const Run& r) { return format("%.1f %%", 100 * r.way_share); }},
       {"mean contact angle", mean("%.1f deg", &RunSummary::mean_contact_angle_deg, 1.0)},
       {"contact within 30 deg", mean("%.1f %%", &RunSummary::share_within_30deg, 100.0)},
       {"mean penetration", mean("%.2f mm", &RunSummary::mean_penetration_m, 1e3)},
@@ -360,9 +368,11 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
   json.update(summary_json(run.summary, scene));
   const Vec3& extent = run.summary.device_extent_m;
   json["device_extent_m"] = {extent.x(), extent.y(), extent.z()};
-  json["exceeds_workspace"] = run.exceeds_workspace;
-  json["way_share"] = run.way_share;
-  json["near_m"] = run.near_m;
+  if (has_way(run)) {
+    json["exceeds_workspace"] = run.exceeds_workspace;
+    json["way_share"] = run.way_share;
+    json["near_m"] = run.near_m;
+  }
   json["longest_gap_ticks"] = run.summary.longest_gap_ticks;
   json["contact_share"] = run.summary.contact_share();
   if (!has_means(run.summary)) {
@@ -371,10 +381,12 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
       json[mean] = nullptr;
     }
   }
-  json["comparable"] = is_comparable(run);
-  json["reasons"] = nlohmann::ordered_json::array();
-  for (const std::string& reason : reasons(run)) {
-    json["reasons"].push_back(with_option_names(reason));
+  if (has_way(run)) {
+    json["comparable"] = is_comparable(run);
+    json["reasons"] = nlohmann::ordered_json::array();
+    for (const std::string& reason : reasons(run)) {
+      json["reasons"].push_back(with_option_names(reason));
+    }
   }
   json["interrupted"] = run.interrupted;
   json["missed_deadlines"] =
@@ -446,7 +458,8 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
     text += format("  %*s", kValueWidth, run.a4 ? "with A4" : "without A4");
   }
   text += "\n";
-  std::vector<Line> lines = run_lines(scene, runs.front().contour_scene_m.empty());
+  std::vector<Line> lines = run_lines(scene);
+  if (has_way(runs.front())) lines.insert(lines.begin() + 1, way_line(runs.front()));
   if (std::any_of(runs.begin(), runs.end(), [](const auto& run) { return run.interrupted; })) {
     lines.insert(lines.begin(), {"interrupted", interruption_text});
   }

@@ -16,11 +16,12 @@ namespace palpate {
 nlohmann::ordered_json scene_json(const Scene& scene);
 nlohmann::ordered_json tree_json(const Scene& scene);  // an array of nodes, depth first
 nlohmann::ordered_json summary_json(const RunSummary& summary, const Scene& scene);
+// Without a path, the keys about the path and the judgement are left out.
 nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);
 
 std::string scene_text(const std::string& path, const Scene& scene);
 std::string summary_text(const RunSummary& summary, const Scene& scene);
-// A table with one column per run.
+// A table with one column per run. A run without a path, that of a person, has no line about it.
 std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene);
 
 }  // namespace palpate

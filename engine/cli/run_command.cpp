@@ -20,6 +20,8 @@
 #include "engine/cli/program_signals.h"
 #include "engine/cli/report.h"
 #include "engine/cli/run_advice.h"
+#include "engine/cli/run_on_device.h"
+#include "engine/cli/run_results.h"
 #include "engine/report/csv.h"
 #include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
@@ -31,19 +33,6 @@ namespace palpate {
 namespace {
 
 constexpr int kNotComparable = 3;
-
-constexpr const char* kPicture = "paths.svg";
-
-// Every file that any form of `run` writes.
-std::vector<std::string> run_file_names() {
-  std::vector<std::string> names{kPicture};
-  for (const char* a4 : {"on", "off"}) {
-    for (const char* what : {"trace-", "contour-", "places-"}) {
-      names.push_back(std::string(what) + a4 + ".csv");
-    }
-  }
-  return names;
-}
 
 // The contour or the places that the hand followed, scene frame: one point per line.
 std::optional<Error> write_way(const ExplorationRun& run, const OutputFiles& files) {
@@ -60,7 +49,7 @@ std::optional<Error> write_way(const ExplorationRun& run, const OutputFiles& fil
 }
 
 std::optional<Error> write_run(const ExplorationRun& run, const OutputFiles& files) {
-  const std::string trace = files.path(run.a4 ? "trace-on.csv" : "trace-off.csv");
+  const std::string trace = files.path(trace_name(run.a4));
   if (auto error = write_trace(trace, run.records)) return files.in_place(*error);
   if (auto error = write_way(run, files)) return files.in_place(*error);
   return std::nullopt;
@@ -72,16 +61,11 @@ Result<bool> draw(const std::vector<ExplorationRun>& runs, const ActuationModel&
                   const std::string& scene_path, const OutputFiles& files,
                   std::vector<std::string>& warnings) {
   const std::string name = std::filesystem::path(scene_path).filename().string();
-  const auto picture = write_path_picture(runs, actuation, name, files.path(kPicture));
+  const auto picture = write_path_picture(runs, actuation, name, files.path(kRunPicture));
   if (picture) return true;
   if (picture.error().code == ErrorCode::kFileUnwritable) return files.in_place(picture.error());
   warnings.push_back(files.in_place(picture.error()).to_string());
   return false;
-}
-
-int report_nothing_done() {
-  std::cerr << "palpate: interrupted before the first tick; no file was written\n";
-  return exit_code_after_signals(0);
 }
 
 // A line that states what the results contain; empty if no signal arrived.
@@ -92,38 +76,6 @@ std::string interruption_line(const std::vector<ExplorationRun>& runs, bool is_c
   if (was_cut) return "interrupted; the results cover the ticks until then\n";
   if (is_comparison && runs.size() < 2) return "interrupted before the run with A4 began\n";
   return "interrupted after the runs had ended; the results are complete\n";
-}
-
-// Refuses if stdout cannot be written to. After a signal the results are moved all the same: a user
-// who closed the terminal finds them.
-std::optional<Error> move_into_place(OutputFiles& files) {
-  if (!signal_flag().requested()) {
-    if (auto error = check_output()) return error;
-  }
-  const SignalPhaseScope not_now(SignalPhase::kDeferred);
-  return files.move_into_place();
-}
-
-Error with_path(Error error, const std::string& path) {
-  if (error.path.empty()) error.path = path;
-  return error;
-}
-
-// The facts that all runs of a command share.
-std::string run_heading(const RunRequest& command, const PreparedRun& prepared) {
-  const ActuationModel& actuation = prepared.setup.actuation;
-  std::ostringstream text;
-  text << command.scene.path << ": " << prepared.scene.statistics().cleaning.triangles
-       << " triangles, " << actuation.sensors() << " sensors, " << actuation.actuators()
-       << (actuation.actuators() == 1 ? " actuator" : " actuators") << ", workspace "
-       << workspace_extent_m(prepared.setup.device) << " m along each sensed axis";
-  if (actuation.is_planar()) {
-    text << ", plane at A3 = " << prepared.setup.haptics.plane_height_m << " m";
-  }
-  if (const double scale = prepared.scene.statistics().scale; scale != 1.0) {
-    text << ", scale " << scale;
-  }
-  return text.str() + "\n";
 }
 
 nlohmann::ordered_json runs_json(const PreparedRun& prepared,
@@ -185,6 +137,12 @@ std::optional<RunAdvice> find_advice(const RunRequest& command, const PreparedRu
       command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
 }
 
+std::string workspace_text(const DeviceDescription& device) {
+  std::ostringstream text;
+  text << workspace_extent_m(device) << " m along each sensed axis";
+  return text.str();
+}
+
 int run(const RunRequest& command) {
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return refuse(with_path(prepared.error(), command.scene.path));
@@ -208,7 +166,8 @@ int run(const RunRequest& command) {
     print(runs_json(*prepared, runs, advice));
   } else {
     std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
-              << run_heading(command, *prepared) << runs_text(runs, prepared->scene) << "traces"
+              << run_heading(command, *prepared, workspace_text(prepared->setup.device))
+              << runs_text(runs, prepared->scene) << "traces"
               << (*has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
   }
   const int code = finish_output(warnings);
@@ -220,7 +179,12 @@ class RunCommand final : public Command {
   CLI::App* add_to(CLI::App& program) override;
   int run(const std::vector<std::string>& arguments) override {
     request_.arguments = arguments;
-    return palpate::run(request_);
+    const auto is_given = [this](const std::string& name) {
+      return app_->get_option(name)->count() > 0;
+    };
+    if (const auto error = check_device_options(request_, is_given)) return refuse(*error);
+    return request_.device.text.empty() ? palpate::run(request_)
+                                        : run_on_device(request_, is_given);
   }
 
  private:
@@ -231,6 +195,7 @@ class RunCommand final : public Command {
   }
 
   RunRequest request_;
+  CLI::App* app_ = nullptr;
 };
 
 CLI::App* RunCommand::add_to(CLI::App& program) {
@@ -239,7 +204,13 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
   settings.default_actuators = 1;
   CLI::App& app = *program.add_subcommand(
       "run", "let a simulated hand explore a scene in real time, without and with A4");
-  set_help(app, "  ./run.sh run models/star.glb --virtual\n");
+  app_ = &app;
+  set_help(app, "  ./run.sh run models/star.glb --virtual\n",
+           "With --device, a person explores the scene. The next lines try this without hardware: "
+           "they simulate\na board, whose port the second line finds, and run on it.\n"
+           "  palpate devices --simulate hapi --seconds 30 > board &\n"
+           "  sleep 1; port=$(grep -o '/dev/pts/[0-9]*' board)\n"
+           "  palpate run models/star.glb --device hapi:port=$port --fit auto --seconds 5\n\n");
   add_scene(app, request_.scene, true);
   add_place(app, request_.options);
   add_device(app, request_.options,
@@ -254,10 +225,13 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
   app.add_flag("--virtual", hand.virtual_time,
                "run in simulated time, as fast as the machine allows")
       ->group(kHandGroup);
+  add_motors(app, request_.device);
   add_touch(app, settings);
-  add_choice<A4Runs>(app, "--a4", request_.a4,
-                     {{"on", A4Runs::kOn}, {"off", A4Runs::kOff}, {"compare", A4Runs::kCompare}},
-                     "compare", "turn the scene: on, off, or compare, which makes both runs")
+  add_choice<A4Runs>(
+      app, "--a4", request_.a4,
+      {{"on", A4Runs::kOn}, {"off", A4Runs::kOff}, {"compare", A4Runs::kCompare}}, "compare",
+      "turn the scene: on, off, or compare, which makes both runs; with --device: on "
+      "or off [off]")
       ->group(kA4Group);
   add_rotation(app, settings);
   app.add_option("--out", request_.out_dir, "folder of the traces and the picture")

@@ -3,6 +3,7 @@
 // The request of the subcommand `run`.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,20 @@ namespace palpate {
 // The runs to make.
 enum class A4Runs : std::uint8_t { kOn, kOff, kCompare };
 
+// A device with motors in place of the simulated hand (--device).
+struct DeviceRequest {
+  std::string text;  // as parse_device() reads it; empty: the hand is simulated
+  bool no_guard = false;
+  bool without_realtime = false;
+  std::optional<std::uint64_t> cpu;
+};
+
 struct RunRequest {
   SceneOptions scene;
   RunOptions options;
   A4Runs a4 = A4Runs::kCompare;
   ExplorationSettings exploration;
+  DeviceRequest device;
   std::string out_dir = "out";
   bool json = false;
   std::vector<std::string> arguments;  // arguments of the program, unchanged

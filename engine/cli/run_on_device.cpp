@@ -1,0 +1,214 @@
+#include "engine/cli/run_on_device.h"
+
+#include <array>
+#include <iostream>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/cli/command_help.h"
+#include "engine/cli/command_output.h"
+#include "engine/cli/device_report.h"
+#include "engine/cli/effects_report.h"
+#include "engine/cli/number_option.h"
+#include "engine/cli/option_names.h"
+#include "engine/cli/prepared_run.h"
+#include "engine/cli/program_signals.h"
+#include "engine/cli/report.h"
+#include "engine/cli/run_results.h"
+#include "engine/devices/device_options.h"
+#include "engine/devices/hapi_device.h"
+#include "engine/scene/memory_budget.h"
+#include "engine/session/trace_csv.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kTripped = 3;
+constexpr std::uint64_t kMostCpu = 1023;
+
+// They describe the simulated hand and the device that it holds.
+constexpr std::array kHandOptions = {
+    "--virtual",         "--seed",           "--workspace",
+    "--device-mass",     "--device-damping", "--device-friction",
+    "--encoder-quantum",
+};
+constexpr std::array kMotorOptions = {"--no-guard", "--without-realtime", "--cpu"};
+
+// The settings of a run with the properties of the device. The device has no workspace across its
+// plane; the scene may have any height there.
+void describe_device(const DeviceDescription& device, const IsGiven& is_given,
+                     RunRequest& request) {
+  RunSettings& settings = request.options.settings;
+  settings.device = device;
+  const double side_m = device.workspace_high_m[0] - device.workspace_low_m[0];
+  settings.device.workspace_low_m[2] = -0.5 * side_m;
+  settings.device.workspace_high_m[2] = 0.5 * side_m;
+  settings.sensors = device.sensed_axes;
+  settings.default_actuators = device.sensed_axes;
+  settings.encoder_quantum_m = device.encoder_quantum_m;
+  if (!is_given("--rate")) settings.rate_Hz = device.rate_Hz;
+  settings.a4 = request.a4 == A4Runs::kOn;
+}
+
+std::string device_workspace_text(const DeviceDescription& device) {
+  std::ostringstream text;
+  text << device.workspace_high_m[0] - device.workspace_low_m[0] << " x "
+       << device.workspace_high_m[1] - device.workspace_low_m[1] << " m";
+  return text.str();
+}
+
+DeviceRunSettings settings_of(const RunRequest& request, const PreparedRun& prepared,
+                              const IsGiven& is_given) {
+  DeviceRunSettings settings;
+  settings.seconds = request.exploration.seconds;
+  if (request.device.cpu) settings.cpu = static_cast<int>(*request.device.cpu);
+  settings.has_guard = !request.device.no_guard;
+  settings.without_realtime = request.device.without_realtime;
+  settings.takes_motors = !is_given("--actuators") && !is_given("--actuated-axes");
+  if (!request.scene.max_memory.empty()) {  // prepare_run() parsed it without an error
+    settings.max_memory_bytes = *parse_bytes(request.scene.max_memory);
+    settings.taken_memory_bytes = prepared.scene.statistics().memory.total();
+  }
+  return settings;
+}
+
+// For the table and the JSON of `run`. Copies no record.
+ExplorationRun without_path(DeviceRun& run, bool a4) {
+  ExplorationRun shown;
+  shown.a4 = a4;
+  shown.interrupted = run.interrupted;
+  shown.records = std::move(run.records);
+  shown.summary = run.summary;
+  shown.missed_deadlines = run.missed_deadlines;
+  shown.tick_times = run.tick_times;
+  return shown;
+}
+
+nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const DeviceRun& run,
+                                          const ExplorationRun& shown,
+                                          const PreparedRun& prepared) {
+  nlohmann::ordered_json json{{"interrupted", signal_flag().requested()}};
+  json["tripped"] = run.governor.trips > 0;
+  json["device"] = device_json(facts, run);
+  json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
+  json["scale"] = prepared.scene.statistics().scale;
+  json["runs"] = {run_json(shown, prepared.scene)};
+  return json;
+}
+
+// What ended the run before its time; empty if nothing did.
+std::string ending_line(const DeviceRun& run) {
+  if (run.governor.trips > 0) {
+    return "the force was cut, and the run ended: " + trip_text(run.governor.trip) + "\n";
+  }
+  if (run.interrupted) return "interrupted; the results cover the ticks until then\n";
+  return {};
+}
+
+int report_run(const RunRequest& request, const PreparedRun& prepared, const DeviceFacts& facts,
+               const DeviceRun& run, const ExplorationRun& shown) {
+  std::vector<std::string> warnings = not_understood_lines(prepared.scene);
+  for (const std::string& warning : device_warnings(run)) warnings.push_back(warning);
+  const std::string ending = ending_line(run);
+  if (!ending.empty()) std::cerr << "palpate: " << ending;
+  if (request.json) {
+    print(run_on_device_json(facts, run, shown, prepared));
+  } else {
+    const std::string workspace = device_workspace_text(request.options.settings.device);
+    std::cout << ending << run_heading(request, prepared, workspace)
+              << runs_text({shown}, prepared.scene) << device_text(facts, run) << "trace in "
+              << request.out_dir << "/\n";
+  }
+  const int code = finish_output(warnings);
+  return exit_code_after_signals(code == 0 && run.governor.trips > 0 ? kTripped : code);
+}
+
+int run_prepared(const RunRequest& request, const PreparedRun& prepared, GuardableDevice& device,
+                 const DeviceRunSettings& settings) {
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  Result<OutputFiles> files = OutputFiles::create(request.out_dir, run_file_names());
+  if (!files) return refuse(files.error());
+  Result<DeviceRun> run = [&] {
+    ProgressBar bar(request.a4 == A4Runs::kOn ? "with A4" : "without A4", settings.seconds);
+    return run_device(
+        prepared.scene, prepared.setup, device, settings, [&](double share) { bar.show(share); },
+        &signal_flag());
+  }();
+  if (!run) return refuse(run.error());
+  if (run->records.empty()) return report_nothing_done();
+  const bool a4 = prepared.setup.haptics.a4.enabled;
+  const ExplorationRun shown = without_path(*run, a4);
+  if (auto error = write_trace(files->path(trace_name(a4)), shown.records)) {
+    return refuse(files->in_place(*error));
+  }
+  if (const auto error = move_into_place(*files)) return refuse(*error);
+  const DeviceFacts facts{device.description().name, request.device.text, device.summary(),
+                          settings.has_guard, settings.without_realtime};
+  return report_run(request, prepared, facts, *run, shown);
+}
+
+}  // namespace
+
+void add_motors(CLI::App& app, DeviceRequest& device) {
+  app.add_option("--device", device.text,
+                 "let a person explore the scene with this device, such as "
+                 "hapi:port=/dev/ttyACM0, in place of the simulated hand; `palpate devices` lists "
+                 "drivers and their keys")
+      ->type_name("DRIVER:KEY=VALUE,...")
+      ->group(kMotorGroup);
+  app.add_flag("--without-realtime", device.without_realtime,
+               "run a device that keeps its last force also where the system refuses SCHED_FIFO; "
+               "trips are possible on a busy machine")
+      ->group(kMotorGroup);
+  add_integer(app, "--cpu", device.cpu, {0, kMostCpu}, "the CPU on which the haptic thread stays")
+      ->group(kMotorGroup);
+  app.add_flag("--no-guard", device.no_guard,
+               "for tests: start no process that stops the motors when the program hangs or ends")
+      ->group(kMotorGroup);
+}
+
+std::optional<Error> check_device_options(const RunRequest& request, const IsGiven& is_given) {
+  if (!is_given("--device")) {
+    for (const char* option : kMotorOptions) {
+      if (is_given(option)) {
+        return invalid_argument(option, "is given alone; expected --device beside it");
+      }
+    }
+    return std::nullopt;
+  }
+  for (const char* option : kHandOptions) {
+    if (is_given(option)) {
+      return invalid_argument(option,
+                              "is for the simulated hand; expected no such option with --device",
+                              "leave one of the two out");
+    }
+  }
+  if (is_given("--a4") && request.a4 == A4Runs::kCompare) {
+    return invalid_argument("--a4", "is compare; expected on or off with --device",
+                            "a person cannot repeat a motion: make two runs, with two folders "
+                            "(--out)");
+  }
+  return std::nullopt;
+}
+
+int run_on_device(RunRequest request, const IsGiven& is_given) {
+  Result<HapiSettings> hapi = parse_device("--device", request.device.text);
+  if (!hapi) return refuse(hapi.error());
+  hapi->works_without_guard = request.device.no_guard;
+  HapiDevice device(*hapi);
+  if (request.a4 == A4Runs::kCompare) request.a4 = A4Runs::kOff;
+  if (is_given("--sensors") && request.options.settings.sensors != 2) {
+    return refuse(
+        invalid_argument("--sensors", "is " + std::to_string(request.options.settings.sensors) +
+                                          "; expected 2, the number of sensors of the device"));
+  }
+  describe_device(device.description(), is_given, request);
+  const Result<PreparedRun> prepared = prepare_run(request);
+  if (!prepared) return refuse(with_path(prepared.error(), request.scene.path));
+  return run_prepared(request, *prepared, device, settings_of(request, *prepared, is_given));
+}
+
+}  // namespace palpate

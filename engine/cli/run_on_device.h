@@ -1,0 +1,29 @@
+#pragma once
+
+// `run --device`: a person explores a scene with a device that has motors.
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "engine/cli/run_command.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// Adds --device and the options that need it.
+void add_motors(CLI::App& app, DeviceRequest& device);
+
+// Whether the command line gives the option of this name.
+using IsGiven = std::function<bool(const std::string&)>;
+
+// An Error if options contradict each other: some are only for the simulated hand, others only for
+// a device.
+std::optional<Error> check_device_options(const RunRequest& request, const IsGiven& is_given);
+
+// Requires check_device_options(), and a device. Returns the exit code.
+int run_on_device(RunRequest request, const IsGiven& is_given);
+
+}  // namespace palpate
