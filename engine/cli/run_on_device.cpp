@@ -47,7 +47,7 @@ void describe_device(const DeviceDescription& device, const IsGiven& is_given,
   settings.device.workspace_low_m[2] = -0.5 * side_m;
   settings.device.workspace_high_m[2] = 0.5 * side_m;
   settings.sensors = device.sensed_axes;
-  settings.default_actuators = device.sensed_axes;
+  settings.default_actuators = device.motor_count;
   settings.encoder_quantum_m = device.encoder_quantum_m;
   if (!is_given("--rate")) settings.rate_Hz = device.rate_Hz;
   settings.a4 = request.a4 == A4Runs::kOn;

@@ -1,0 +1,383 @@
+// `palpate run --device`: the program with its guard, and a simulated board behind a
+// pseudo-terminal. The board's log is the judge. No test asserts a time: each one waits until
+// something happens.
+//
+// A busy machine can delay an answer of the board so far that the run trips, as it must. What every
+// run owes is expected then as well; the test makes another run for the rest.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <linux/capability.h>
+#include <memory>
+#include <string>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/cli/program_signals.h"
+#include "engine/devices/five_bar.h"
+#include "engine/simulation/board_terminal.h"
+#include "tests/engine/cli/run_program.h"
+
+namespace palpate {
+namespace {
+
+using nlohmann::json;
+using test::content_of;
+using test::Outcome;
+using test::outcome_of;
+using test::run_program;
+using test::start_program;
+using test::StartedProgram;
+using test::TemporaryFolder;
+
+// In the frame of the linkage. The board starts in its rest pose; the wall of wall_scene() is 13 mm
+// further along y.
+const Vec2 kRest_m(0.01, 0.0360555);
+const Vec2 kPressed_m(0.01, 0.070);
+constexpr double kWall_m = 0.0496;
+constexpr int kMostRuns = 6;  // until one has no trip
+constexpr int kTripped = 3;   // exit code
+
+bool wait_until(const std::function<bool()>& is_true) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (std::chrono::steady_clock::now() < end) {
+    if (is_true()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+bool is_zero(const BoardCommand& command) {
+  return std::abs(command.torques[0]) < 0x1p-119f && std::abs(command.torques[1]) < 0x1p-119f;
+}
+
+bool has_force(const BoardTerminal& board) {
+  const auto log = board.log();
+  return std::any_of(log.begin(), log.end(), [](const BoardCommand& c) { return !is_zero(c); });
+}
+
+// A box of 0.04 m, whose front is at y = -0.005 m in the frame of the device. The origin of that
+// frame is the middle of the workspace: (0.01, 0.0546) m in the frame of the linkage.
+std::string wall_scene(const TemporaryFolder& folder) {
+  test::GltfBuilder gltf;
+  std::vector<Eigen::Vector3f> corners;
+  for (int k = 0; k < 8; ++k) {
+    corners.emplace_back((k & 1) != 0 ? 0.02f : -0.02f, (k & 2) != 0 ? 0.035f : -0.005f,
+                         (k & 4) != 0 ? 0.02f : -0.02f);
+  }
+  const auto positions = gltf.add_positions(corners);
+  const auto indices = gltf.add_indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                         2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
+  gltf.add_mesh({{{"attributes", {{"POSITION", positions}}}, {"indices", indices}}});
+  gltf.add_node({{"mesh", 0}});
+  return gltf.write_glb(folder);
+}
+
+// Whether a child process has ended; it is not yet waited for.
+bool has_ended(const StartedProgram& started) {
+  siginfo_t state = {};
+  return ::waitid(P_PID, static_cast<id_t>(started.process), &state, WEXITED | WNOHANG | WNOWAIT) ==
+             0 &&
+         state.si_pid != 0;
+}
+
+// The guard of a program; 0: none.
+pid_t guard_of(const StartedProgram& started) {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::ifstream file(entry.path() / "stat");
+    std::string number, command, state;
+    pid_t parent = 0;
+    file >> number >> command >> state >> parent;
+    if (parent == started.process && command == "(palpate-guard)") return std::stoi(number);
+  }
+  return 0;
+}
+
+class DeviceRunProgram : public ::testing::Test {
+ protected:
+  DeviceRunProgram() : scene(wall_scene(folder)) {
+    std::signal(SIGHUP, SIG_DFL);  // the program inherits it
+    open_board();
+  }
+
+  void open_board() {
+    board.reset();
+    auto opened = BoardTerminal::open({});
+    ASSERT_TRUE(opened) << opened.error().to_string();
+    board = std::move(*opened);
+  }
+  std::string device() const {
+    return "hapi:port=" + board->path() + ",torque-per-Nm=1,peak-torque=0.1";
+  }
+  // The tests must also run where the system refuses SCHED_FIFO.
+  std::vector<std::string> arguments(const std::string& seconds,
+                                     const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> all = {
+        "run",   scene,   "--device",         device(), "--seconds",
+        seconds, "--out", folder.path("out"), "--json", "--without-realtime"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  bool has_trace() const { return std::filesystem::exists(folder.path("out/trace-off.csv")); }
+
+  // Waits for this number of further commands. False if the program ends before.
+  bool wait_for_commands(const StartedProgram& started, std::uint64_t count) const {
+    const std::uint64_t wanted = board->commands() + count;
+    return wait_until([&] { return board->commands() >= wanted || has_ended(started); }) &&
+           !has_ended(started);
+  }
+  // Presses in, after the hand was calm for long enough that the governor has let the force grow,
+  // until the board gets a force. On a busy machine the hand may have pressed in too early; then
+  // the governor waits until it is calm again. False if the program ends before.
+  bool press(const StartedProgram& started) const {
+    for (int n = 0; n < kMostRuns; ++n) {
+      board->set_hand(kRest_m);
+      if (!wait_for_commands(started, 800)) return false;
+      board->set_hand(kPressed_m);
+      if (!wait_for_commands(started, 300)) return false;
+      if (has_force(*board)) return true;
+    }
+    return false;
+  }
+  // Starts a run of a minute on a new board, and returns when the board gets a force.
+  StartedProgram start_pressed(const std::vector<std::string>& more = {}) {
+    for (int n = 0; n < kMostRuns; ++n) {
+      open_board();
+      const StartedProgram started = start_program(folder, arguments("60", more));
+      if (press(started)) return started;
+      ::kill(started.process, SIGTERM);
+      const Outcome outcome = outcome_of(started);
+      expect_zero_at_last();
+      EXPECT_TRUE(outcome.exit_code == kTripped) << outcome.exit_code << " " << outcome.err;
+    }
+    ADD_FAILURE() << "no run without a trip";
+    return {};
+  }
+  void expect_zero_at_last() const {
+    EXPECT_TRUE(wait_until([&] { return is_zero(board->log().back()); }));
+  }
+  // One line that contains the text, exit code 2, and no force.
+  void expect_refused(const Outcome& outcome, const std::string& text) const {
+    EXPECT_EQ(outcome.exit_code, 2) << text;
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_FALSE(std::filesystem::exists(folder.path("out"))) << text;
+    EXPECT_FALSE(has_force(*board)) << text;
+  }
+
+  TemporaryFolder folder;
+  std::string scene;
+  std::unique_ptr<BoardTerminal> board;
+};
+
+// The force at the tip that a command means.
+Vec2 force_of(const BoardCommand& command) {
+  const auto jacobian = FiveBar(FiveBarLinks{}).jacobian(command.joints_rad);
+  const Vec2 torques_Nm(static_cast<double>(command.torques[0]),
+                        static_cast<double>(command.torques[1]));
+  return jacobian ? Vec2(jacobian->transpose().inverse() * torques_Nm) : Vec2::Zero();
+}
+
+TEST_F(DeviceRunProgram, AHandFeelsTheWallAfterTheStartRampAndNothingAtTheEnd) {
+  for (int n = 0; n < kMostRuns; ++n) {
+    open_board();
+    const StartedProgram started = start_program(folder, arguments("3"));
+    const bool has_pressed = press(started);
+    const Outcome outcome = outcome_of(started);
+    expect_zero_at_last();
+    ASSERT_TRUE(has_trace()) << outcome.err;
+    const json result = json::parse(outcome.out);
+    if (!has_pressed || result["tripped"]) continue;
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(result["interrupted"], false);
+    EXPECT_EQ(result["device"]["guard"], true);
+    EXPECT_EQ(result["device"]["problem"], nullptr);
+    ASSERT_EQ(result["runs"].size(), 1u);
+    const json& run = result["runs"][0];
+    EXPECT_EQ(run["a4"], false);
+    EXPECT_GT(run["contact_ticks"], 0);
+    EXPECT_FALSE(run.contains("comparable"));
+    const std::string trace = content_of(folder.path("out/trace-off.csv"));
+    EXPECT_EQ(std::count(trace.begin(), trace.end(), '\n'), 1 + run["ticks"].get<long>());
+
+    const auto log = board->log();
+    const auto first =
+        std::find_if(log.begin(), log.end(), [](const auto& c) { return !is_zero(c); });
+    ASSERT_NE(first, log.end());
+    // The governor waits for a calm hand for 100 ms; a busy machine only prolongs this.
+    EXPECT_GE(first->time_ns - log.front().time_ns, 100'000'000);
+    const auto last =
+        std::find_if(log.rbegin(), log.rend(), [](const auto& c) { return !is_zero(c); });
+    EXPECT_LT(force_of(*last).y(), 0.0) << "the wall pushes back";
+    EXPECT_GT(last->tip_m.y(), kWall_m) << "the hand presses into the wall";
+    EXPECT_LT(last->tip_m.y(), 0.5 * (kWall_m + kPressed_m.y())) << "the wall holds the hand";
+    return;
+  }
+  ADD_FAILURE() << "no run without a trip";
+}
+
+TEST_F(DeviceRunProgram, ASignalEndsTheRunWithZeroAndResults) {
+  for (const int signal : kEndingSignals) {
+    const StartedProgram started = start_pressed();
+    ASSERT_NE(started.process, 0);
+    ::kill(started.process, signal);
+    const Outcome outcome = outcome_of(started);
+    EXPECT_EQ(outcome.exit_code, 128 + signal) << outcome.err;
+    expect_zero_at_last();
+    EXPECT_TRUE(has_trace());
+    const json result = json::parse(outcome.out);
+    EXPECT_EQ(result["interrupted"], true);
+    EXPECT_GT(result["runs"][0]["contact_ticks"], 0);
+  }
+}
+
+TEST_F(DeviceRunProgram, APulledCableIsATripWithResults) {
+  const StartedProgram started = start_pressed();
+  ASSERT_NE(started.process, 0);
+  board->hang_up();
+  const Outcome outcome = outcome_of(started);
+  EXPECT_EQ(outcome.exit_code, kTripped) << outcome.err;
+  EXPECT_NE(outcome.err.find("the force was cut, and the run ended: "), std::string::npos)
+      << outcome.err;
+  EXPECT_TRUE(has_trace());
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["tripped"], true);
+  EXPECT_EQ(result["runs"][0]["governor"]["last_trip"]["reason"], "device");
+  const std::string problem = result["device"]["problem"];
+  EXPECT_NE(problem.find("the port was disconnected"), std::string::npos) << problem;
+}
+
+TEST_F(DeviceRunProgram, AKilledGuardIsATripWithZeroAndResults) {
+  const StartedProgram started = start_pressed();
+  ASSERT_NE(started.process, 0);
+  const pid_t guard = guard_of(started);
+  ASSERT_NE(guard, 0);
+  ::kill(guard, SIGKILL);
+  const Outcome outcome = outcome_of(started);
+  EXPECT_EQ(outcome.exit_code, kTripped) << outcome.err;
+  expect_zero_at_last();
+  EXPECT_TRUE(has_trace());
+  const json result = json::parse(outcome.out);
+  const std::string problem = result["device"]["problem"];
+  EXPECT_NE(problem.find("the guard of the motors has ended"), std::string::npos) << problem;
+}
+
+TEST_F(DeviceRunProgram, TheGuardStopsTheMotorsOfAKilledProgram) {
+  const StartedProgram started = start_pressed();
+  ASSERT_NE(started.process, 0);
+  ::kill(started.process, SIGKILL);
+  EXPECT_EQ(outcome_of(started).exit_code, -1);
+  expect_zero_at_last();
+}
+
+TEST_F(DeviceRunProgram, WithoutAGuardTheRunWarnsAndWorks) {
+  const StartedProgram started = start_pressed({"--no-guard"});
+  ASSERT_NE(started.process, 0);
+  EXPECT_EQ(guard_of(started), 0);
+  ::kill(started.process, SIGINT);
+  const Outcome outcome = outcome_of(started);
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_NE(outcome.err.find("palpate: warning: no process guards the motors"), std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out)["device"]["guard"], false);
+  expect_zero_at_last();
+}
+
+// Also as root, whom the lock of a terminal does not stop.
+TEST_F(DeviceRunProgram, RefusesABusyPort) {
+  const StartedProgram started = start_program(folder, arguments("60"));
+  ASSERT_TRUE(wait_for_commands(started, 1));
+  const TemporaryFolder other;
+  const Outcome second = run_program(other, {"run", scene, "--device", device()});
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_EQ(second.err.find("palpate: " + board->path() + ": is used by another program"), 0u)
+      << second.err;
+  EXPECT_FALSE(std::filesystem::exists(other.path("out")));
+  ::kill(started.process, SIGTERM);
+  const Outcome first = outcome_of(started);
+  EXPECT_TRUE(first.exit_code == 143) << first.exit_code << first.err;
+}
+
+TEST_F(DeviceRunProgram, RefusesBadOptionsInOneLine) {
+  const std::string port = "hapi:port=" + board->path();
+  struct Case {
+    std::vector<std::string> arguments;
+    std::string text;
+  };
+  for (const Case& c : std::vector<Case>{
+           {{"--device", "falcon:port=x"}, "--device: driver is \"falcon\"; expected hapi"},
+           {{"--device", "hapi"}, "--device: port: is missing"},
+           {{"--device", port + ",color=red"}, "--device: key is \"color\"; expected one of"},
+           {{"--device", "hapi:port=/dev/palpate-none"}, "/dev/palpate-none: is missing"},
+           {{"--device", "hapi:port=/dev/null"}, "/dev/null: is not a terminal"},
+           {{"--device", port, "--virtual"}, "--virtual: is for the simulated hand"},
+           {{"--device", port, "--seed", "2"}, "--seed: is for the simulated hand"},
+           {{"--device", port, "--workspace", "1"}, "--workspace: is for the simulated hand"},
+           {{"--device", port, "--a4", "compare"}, "--a4: is compare; expected on or off"},
+           {{"--device", port, "--sensors", "3"}, "--sensors: is 3; expected 2"},
+           {{"--device", port + ",torque-per-Nm=1,peak-torque=0.1", "--max-force", "100"},
+            "--max-force: is 100 N; expected at most"},
+           {{"--device", port, "--seconds", "1"}, "--seconds: "},
+           {{"--no-guard"}, "--no-guard: is given alone; expected --device beside it"},
+           {{"--cpu", "0"}, "--cpu: is given alone; expected --device beside it"},
+       }) {
+    std::vector<std::string> arguments = {"run", scene};
+    arguments.insert(arguments.end(), c.arguments.begin(), c.arguments.end());
+    expect_refused(run_program(folder, arguments), c.text);
+  }
+}
+
+// Calls the function on a thread whose children get no SCHED_FIFO, not even those of root.
+void without_fifo(const std::function<void()>& function) {
+  rlimit before{};
+  getrlimit(RLIMIT_RTPRIO, &before);
+  const rlimit none{0, before.rlim_max};
+  setrlimit(RLIMIT_RTPRIO, &none);
+  std::thread thread([&] {
+    prctl(PR_CAPBSET_DROP, CAP_SYS_NICE, 0, 0, 0);
+    function();
+  });
+  thread.join();
+  setrlimit(RLIMIT_RTPRIO, &before);
+}
+
+TEST_F(DeviceRunProgram, RefusesMotorsWithoutRealTimeScheduling) {
+  without_fifo([&] {
+    const Outcome outcome = run_program(folder, {"run", scene, "--device", device()});
+    expect_refused(outcome, "write `* - rtprio 90` to /etc/security/limits.d/palpate.conf");
+    EXPECT_NE(outcome.err.find("--without-realtime"), std::string::npos) << outcome.err;
+  });
+}
+
+// A device without a calibration pushes nothing, so nothing can be kept.
+TEST_F(DeviceRunProgram, WithoutACalibrationTheBoardGetsZeroOnly) {
+  without_fifo([&] {
+    const StartedProgram started =
+        start_program(folder, {"run", scene, "--device", "hapi:port=" + board->path()});
+    press(started);
+    ::kill(started.process, SIGINT);
+    const Outcome outcome = outcome_of(started);
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    EXPECT_FALSE(has_force(*board));
+    EXPECT_NE(outcome.err.find("commands no force without torque-per-Nm"), std::string::npos);
+    EXPECT_NE(outcome.out.find("0 actuators"), std::string::npos) << outcome.out;
+  });
+}
+
+}  // namespace
+}  // namespace palpate
