@@ -205,12 +205,12 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
   CLI::App& app = *program.add_subcommand(
       "run", "let a simulated hand explore a scene in real time, without and with A4");
   app_ = &app;
-  set_help(app, "  ./run.sh run models/star.glb --virtual\n",
-           "With --device, a person explores the scene. The next lines try this without hardware: "
-           "they simulate\na board, whose port the second line finds, and run on it.\n"
-           "  palpate devices --simulate hapi --seconds 30 > board &\n"
-           "  sleep 1; port=$(grep -o '/dev/pts/[0-9]*' board)\n"
-           "  palpate run models/star.glb --device hapi:port=$port --fit auto --seconds 5\n\n");
+  set_help(
+      app,
+      "  ./run.sh run models/star.glb --virtual\n"
+      "  ./run.sh devices --simulate hapi --seconds 20 > board & until grep -qs /dev board; do "
+      "sleep 0.1; done; ./run.sh run models/star.glb --fit auto --seconds 5 --device "
+      "hapi:port=$(grep -o '/dev/[^ ]*' board)  # exit code 3: a trip\n");
   add_scene(app, request_.scene, true);
   add_place(app, request_.options);
   add_device(app, request_.options,
