@@ -208,7 +208,7 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
   set_help(
       app,
       "  ./run.sh run models/star.glb --virtual\n"
-      "  ./run.sh devices --simulate hapi --seconds 20 > board & until grep -qs /dev board; do "
+      "  ./run.sh devices --simulate hapi --seconds 10 > board & until grep -qs /dev board; do "
       "sleep 0.1; done; ./run.sh run models/star.glb --fit auto --seconds 5 --device "
       "hapi:port=$(grep -o '/dev/[^ ]*' board)  # exit code 3: a trip\n");
   add_scene(app, request_.scene, true);
