@@ -165,7 +165,7 @@ TEST_F(TraceFile, HasTheColumnsInTheirOrderAndNewOnesLast) {
             "full_force_x,full_force_y,full_force_z,q_after_w,q_after_x,q_after_y,q_after_z,"
             "o_after_x,o_after_y,o_after_z,rotation_deg,effects,iterations,late_ns\n"
             "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,1,90,20,21,22,23,24,25,26,"
-            "slides,solver_capped+body_held+governor_17,27,"
+            "slides,solver_capped+body_held+governor_motors,27,"
             "28,29,30,31,32,33,34,35,36,37,180," +
                 effects + ",39,-40\n");
 }
