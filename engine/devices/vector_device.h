@@ -12,7 +12,8 @@ namespace palpate {
 
 class VectorDevice : public Device {
  public:
-  explicit VectorDevice(DeviceDescription description = {.moves_motors = false})
+  // By default a device that moves no motors.
+  explicit VectorDevice(DeviceDescription description = without_motors())
       : description_(std::move(description)) {}
 
   // Position in the device frame, metres. dt_s: nominal time since the previous call.
@@ -33,6 +34,12 @@ class VectorDevice : public Device {
   }
 
  private:
+  static DeviceDescription without_motors() {
+    DeviceDescription description;
+    description.moves_motors = false;
+    return description;
+  }
+
   DeviceDescription description_;
   std::uint64_t samples_ = 0;
 };
