@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iostream>
 #include <linux/capability.h>
 #include <memory>
 #include <string>
@@ -242,6 +243,7 @@ TEST_F(DeviceRunProgram, ASignalEndsTheRunWithZeroAndResults) {
     EXPECT_TRUE(has_trace());
     const json result = json::parse(outcome.out);
     EXPECT_EQ(result["interrupted"], true);
+    EXPECT_LT(result["runs"][0]["ticks"], 60'000);
     EXPECT_GT(result["runs"][0]["contact_ticks"], 0);
   }
 }
@@ -257,24 +259,29 @@ TEST_F(DeviceRunProgram, APulledCableIsATripWithResults) {
   EXPECT_TRUE(has_trace());
   const json result = json::parse(outcome.out);
   EXPECT_EQ(result["tripped"], true);
+  EXPECT_EQ(result["interrupted"], false);
+  EXPECT_LT(result["runs"][0]["ticks"], 60'000) << "the trip ends the run";
   EXPECT_EQ(result["runs"][0]["governor"]["last_trip"]["reason"], "device");
   const std::string problem = result["device"]["problem"];
   EXPECT_NE(problem.find("the port was disconnected"), std::string::npos) << problem;
 }
 
 TEST_F(DeviceRunProgram, AKilledGuardIsATripWithZeroAndResults) {
-  const StartedProgram started = start_pressed();
-  ASSERT_NE(started.process, 0);
-  const pid_t guard = guard_of(started);
-  ASSERT_NE(guard, 0);
-  ::kill(guard, SIGKILL);
-  const Outcome outcome = outcome_of(started);
-  EXPECT_EQ(outcome.exit_code, kTripped) << outcome.err;
-  expect_zero_at_last();
-  EXPECT_TRUE(has_trace());
-  const json result = json::parse(outcome.out);
-  const std::string problem = result["device"]["problem"];
-  EXPECT_NE(problem.find("the guard of the motors has ended"), std::string::npos) << problem;
+  for (int n = 0; n < kMostRuns; ++n) {
+    const StartedProgram started = start_pressed();
+    ASSERT_NE(started.process, 0);
+    const pid_t guard = guard_of(started);
+    if (guard != 0) ::kill(guard, SIGKILL);
+    const Outcome outcome = outcome_of(started);
+    EXPECT_EQ(outcome.exit_code, kTripped) << outcome.err;
+    expect_zero_at_last();
+    EXPECT_TRUE(has_trace());
+    const json result = json::parse(outcome.out);
+    const std::string problem = result["device"]["problem"];
+    if (problem.find("the guard of the motors has ended") != std::string::npos) return;
+    std::cout << "another trip came first: " << outcome.err;
+  }
+  ADD_FAILURE() << "no run in which the guard was killed before another trip";
 }
 
 TEST_F(DeviceRunProgram, TheGuardStopsTheMotorsOfAKilledProgram) {
@@ -300,17 +307,24 @@ TEST_F(DeviceRunProgram, WithoutAGuardTheRunWarnsAndWorks) {
 
 // Also as root, whom the lock of a terminal does not stop.
 TEST_F(DeviceRunProgram, RefusesABusyPort) {
-  const StartedProgram started = start_program(folder, arguments("60"));
-  ASSERT_TRUE(wait_for_commands(started, 1));
-  const TemporaryFolder other;
-  const Outcome second = run_program(other, {"run", scene, "--device", device()});
-  EXPECT_EQ(second.exit_code, 2);
-  EXPECT_EQ(second.err.find("palpate: " + board->path() + ": is used by another program"), 0u)
-      << second.err;
-  EXPECT_FALSE(std::filesystem::exists(other.path("out")));
-  ::kill(started.process, SIGTERM);
-  const Outcome first = outcome_of(started);
-  EXPECT_TRUE(first.exit_code == 143) << first.exit_code << first.err;
+  for (int n = 0; n < kMostRuns; ++n) {
+    const StartedProgram started = start_program(folder, arguments("60"));
+    const bool has_begun = wait_for_commands(started, 1);
+    const TemporaryFolder other;
+    const Outcome second =
+        run_program(other, {"run", scene, "--device", device(), "--without-realtime"});
+    const bool has_gone_on = has_begun && wait_for_commands(started, 10);
+    ::kill(started.process, SIGTERM);
+    const Outcome first = outcome_of(started);
+    if (!has_gone_on) continue;
+    EXPECT_EQ(first.exit_code, 143) << first.err;
+    EXPECT_EQ(second.exit_code, 2);
+    EXPECT_EQ(second.err.find("palpate: " + board->path() + ": is used by another program"), 0u)
+        << second.err;
+    EXPECT_FALSE(std::filesystem::exists(other.path("out")));
+    return;
+  }
+  ADD_FAILURE() << "no run without a trip";
 }
 
 TEST_F(DeviceRunProgram, RefusesBadOptionsInOneLine) {
@@ -364,18 +378,27 @@ TEST_F(DeviceRunProgram, RefusesMotorsWithoutRealTimeScheduling) {
   });
 }
 
-// A device without a calibration pushes nothing, so nothing can be kept.
+// A device without a calibration pushes nothing, so that it cannot keep a force.
 TEST_F(DeviceRunProgram, WithoutACalibrationTheBoardGetsZeroOnly) {
   without_fifo([&] {
-    const StartedProgram started =
-        start_program(folder, {"run", scene, "--device", "hapi:port=" + board->path()});
-    press(started);
-    ::kill(started.process, SIGINT);
-    const Outcome outcome = outcome_of(started);
-    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
-    EXPECT_FALSE(has_force(*board));
-    EXPECT_NE(outcome.err.find("commands no force without torque-per-Nm"), std::string::npos);
-    EXPECT_NE(outcome.out.find("0 actuators"), std::string::npos) << outcome.out;
+    for (int n = 0; n < kMostRuns; ++n) {
+      open_board();
+      const StartedProgram started =
+          start_program(folder, {"run", scene, "--device", "hapi:port=" + board->path()});
+      bool has_pressed = wait_for_commands(started, 800);
+      board->set_hand(kPressed_m);
+      has_pressed = has_pressed && wait_for_commands(started, 500);
+      ::kill(started.process, SIGINT);
+      const Outcome outcome = outcome_of(started);
+      EXPECT_FALSE(has_force(*board));
+      if (!has_pressed) continue;
+      EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+      EXPECT_NE(outcome.err.find("commands no force without torque-per-Nm"), std::string::npos)
+          << outcome.err;
+      EXPECT_NE(outcome.out.find("0 actuators"), std::string::npos) << outcome.out;
+      return;
+    }
+    ADD_FAILURE() << "no run without a trip";
   });
 }
 
