@@ -260,6 +260,7 @@ TEST_F(DeviceRunProgram, APulledCableIsATripWithResults) {
   const json result = json::parse(outcome.out);
   EXPECT_EQ(result["tripped"], true);
   EXPECT_EQ(result["interrupted"], false);
+  EXPECT_EQ(result["runs"][0]["interrupted"], false);
   EXPECT_LT(result["runs"][0]["ticks"], 60'000) << "the trip ends the run";
   EXPECT_EQ(result["runs"][0]["governor"]["last_trip"]["reason"], "device");
   const std::string problem = result["device"]["problem"];
