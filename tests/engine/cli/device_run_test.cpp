@@ -293,6 +293,18 @@ TEST_F(DeviceRunProgram, TheGuardStopsTheMotorsOfAKilledProgram) {
   expect_zero_at_last();
 }
 
+TEST_F(DeviceRunProgram, WithA4ItWritesItsOwnTrace) {
+  const StartedProgram started = start_pressed({"--a4", "on", "--cpu", "0"});
+  ASSERT_NE(started.process, 0);
+  ::kill(started.process, SIGINT);
+  const Outcome outcome = outcome_of(started);
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(folder.path("out/trace-on.csv")));
+  EXPECT_FALSE(has_trace());
+  EXPECT_EQ(json::parse(outcome.out)["runs"][0]["a4"], true);
+  expect_zero_at_last();
+}
+
 TEST_F(DeviceRunProgram, WithoutAGuardTheRunWarnsAndWorks) {
   const StartedProgram started = start_pressed({"--no-guard"});
   ASSERT_NE(started.process, 0);
