@@ -56,7 +56,8 @@ double SafetyGovernor::clamp_of(const DeviceDescription& device,
   double clamp_N = std::numeric_limits<double>::infinity();
   if (device.moves_motors) clamp_N = Limits::kUnknownPeak_N;
   if (device.peak_force_N > 0.0) clamp_N = device.peak_force_N;
-  return std::min(clamp_N, max_force_N.value_or(clamp_N));
+  // A negative limit would reverse the force.
+  return std::max(0.0, std::min(clamp_N, max_force_N.value_or(clamp_N)));
 }
 
 SafetyGovernor::SafetyGovernor(const DeviceDescription& device, double clamp_N) noexcept

@@ -119,7 +119,8 @@ class SafetyGovernor {
   // clamp_N: see clamp_of().
   SafetyGovernor(const DeviceDescription& device, double clamp_N) noexcept;
 
-  // The largest force of a device, N; infinite if no rule limits it. max_force_N: a user's limit.
+  // The largest force of a device, N; infinite if no rule limits it. max_force_N: a user's limit; a
+  // negative one counts as 0, and NaN as none.
   static double clamp_of(const DeviceDescription& device,
                          const std::optional<double>& max_force_N) noexcept;
 

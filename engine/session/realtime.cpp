@@ -10,8 +10,8 @@
 namespace palpate {
 namespace {
 
-// A tick uses less than 32 KB of stack (allocation_test measures it); the rest is for signal frames
-// and the device.
+// A choice, and not a measured need: the part of the thread's stack, 8 MB by default, that is ready
+// for the frames of a tick, of the device and of observers. A deeper frame meets a page fault once.
 constexpr std::size_t kStack_bytes = 256 * 1024;
 constexpr std::size_t kPage_bytes = 4096;
 

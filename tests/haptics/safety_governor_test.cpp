@@ -147,6 +147,9 @@ TEST(SafetyGovernor, ClampsTheLengthOfAForceAndKeepsItsDirection) {
   unknown.moves_motors = false;
   EXPECT_EQ(SafetyGovernor::clamp_of(unknown, {}), std::numeric_limits<double>::infinity());
   EXPECT_EQ(SafetyGovernor::clamp_of(unknown, 2.0), 2.0);
+  EXPECT_EQ(SafetyGovernor::clamp_of(motor_device(), -1.0), 0.0) << "never a force the other way";
+  EXPECT_EQ(SafetyGovernor::clamp_of(motor_device(), kNoNumber), 8.0);
+  EXPECT_EQ(SafetyGovernor::clamp_of(motor_device(), 1e9), 8.0);
 }
 
 TEST(SafetyGovernor, DropsWhatTheMotorsCannotPush) {
