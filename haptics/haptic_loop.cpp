@@ -61,6 +61,20 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
   return record_;
 }
 
+void HapticLoop::warm_up() const {
+  if (has_bad_settings_) return;
+  HapticLoop other(*world_, actuation_, settings_);
+  const Box& box = world_->bounds_solver;
+  const Vec3 middle_m = world_->to_scene(0.5 * (box.low + box.high));
+  const Vec3 outside_m = middle_m + Vec3(world_->size_m, 0.0, 0.0);
+  constexpr int kTicks = 16;  // free motion, the first touch, and a few ticks in contact
+  constexpr double kTick_s = 1e-3;
+  for (int n = 0; n <= kTicks; ++n) {
+    const double share = static_cast<double>(n) / kTicks;
+    other.tick(T_device_scene().point(outside_m + share * (middle_m - outside_m)), kTick_s);
+  }
+}
+
 // Action 1: the user's motion Tu, here as the sensed position. Returns fault bits.
 inline std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   Vec3 sensed_m = p_device_m;

@@ -82,6 +82,11 @@ class HapticLoop {
   // good. In both cases the proxy follows the device and keeps its contacts.
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) noexcept;
 
+  // Brings the code of a tick and the upper part of the search structures into the caches, so that
+  // the first ticks are as fast as later ones. Changes nothing: a second loop, which this function
+  // creates, moves into the scene. Allocates: call it before the first tick.
+  void warm_up() const;
+
   // Marks the sample of the next tick as bad, because the device did not sense it. That tick sets
   // kFaultInvalidSample.
   void refuse_sample() noexcept { next_faults_ |= kFaultInvalidSample; }

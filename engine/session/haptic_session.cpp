@@ -6,6 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "engine/session/monotonic_clock.h"
+
 namespace palpate {
 HapticSession::HapticSession(HapticLoop& loop, Device& device, SessionParts parts)
     : loop_(loop), device_(device), parts_(std::move(parts)) {}
@@ -48,6 +50,7 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   const std::uint64_t trips = governor_->status().trips;
   governor_->govern(record);
   command(record);
+  last_delay_ns_ = now_ns == 0 ? 0 : monotonic_ns() - now_ns;
   published_.publish(record);
   published_status_.publish(governor_->status());
   const bool has_tripped = governor_->status().trips > trips;

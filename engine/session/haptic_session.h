@@ -78,6 +78,9 @@ class HapticSession {
   // message; the device has then been stopped, and ticks do nothing.
   std::optional<std::string> start();
 
+  // See HapticLoop::warm_up(). Call it before the first tick.
+  void warm_up() const { loop_.warm_up(); }
+
   // Runs one tick. Does nothing before start() and after stop(). dt_s: the nominal time since the
   // last tick. late_ns: how long ago this tick was due; it is stored in the record. now_ns: the
   // time on the monotonic clock; 0: simulated time, in which a tick takes dt_s.
@@ -94,6 +97,9 @@ class HapticSession {
   bool latest(GovernorStatus& status) const noexcept { return published_status_.read(status); }
   // The computing time of the loop in the last tick. Call it on the haptic thread.
   std::int64_t last_step_ns() const noexcept { return last_step_ns_; }
+  // The time from now_ns of tick(), on the monotonic clock, to the end of the device's command() in
+  // the last tick; 0 in simulated time. Call it on the haptic thread.
+  std::int64_t last_delay_ns() const noexcept { return last_delay_ns_; }
   // Ends a trip of the governor. Any thread may call it between start() and stop().
   void rearm() noexcept {
     if (governor_) governor_->rearm();
@@ -108,6 +114,7 @@ class HapticSession {
   SessionParts parts_;
   double time_s_ = 0.0;
   std::int64_t last_step_ns_ = 0;
+  std::int64_t last_delay_ns_ = 0;
   std::atomic<bool> is_running_{false};
   std::optional<SafetyGovernor> governor_;  // made by start()
   SnapshotRing<TickRecord> published_;

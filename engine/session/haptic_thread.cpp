@@ -8,16 +8,12 @@
 #include <time.h>
 #include <utility>
 
+#include "engine/session/monotonic_clock.h"
+
 namespace palpate {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
-std::int64_t monotonic_ns() {
-  timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * kNanosecondsPerSecond + now.tv_nsec;
-}
 
 void sleep_until(std::int64_t due_ns) {
   const timespec due{due_ns / kNanosecondsPerSecond, due_ns % kNanosecondsPerSecond};
@@ -69,7 +65,9 @@ RealtimeStatus HapticThread::start() {
 }
 
 void HapticThread::run() {
+  ::pthread_setname_np(::pthread_self(), kHapticThreadName);
   status_ = make_realtime(settings_.cpu);
+  session_.warm_up();
   is_ready_.store(true, std::memory_order_release);
   is_ready_.notify_one();
   begin_.wait(false, std::memory_order_acquire);
@@ -108,6 +106,7 @@ void HapticThread::run_tick(std::int64_t due_ns, double dt_s) {
   cost_ = {late_ns,
            wall_ns,
            session_.last_step_ns(),
+           session_.last_delay_ns(),
            usage.cpu_ns - cpu_before_ns,
            usage.faults - usage_.faults,
            usage.preemptions - usage_.preemptions};
@@ -115,6 +114,11 @@ void HapticThread::run_tick(std::int64_t due_ns, double dt_s) {
   times_.late.add(late_ns);
   times_.wall.add(wall_ns);
   times_.cpu.add(cost_.cpu_ns);
+  times_.step.add(cost_.loop_ns);
+  times_.delay.add(cost_.delay_ns);
+  times_.slowest.add({ticks_.load(std::memory_order_relaxed), cost_.cpu_ns});
+  times_.faults += cost_.faults;
+  times_.preemptions += cost_.preemptions;
   if (last_start_ns_ != 0) times_.period.add(start_ns - last_start_ns_);
   last_start_ns_ = start_ns;
 }
@@ -122,6 +126,7 @@ void HapticThread::run_tick(std::int64_t due_ns, double dt_s) {
 void HapticThread::add_late_tick(const TickCost& cost) {
   missed_deadlines_.fetch_add(1, std::memory_order_acq_rel);
   ++times_.late_ticks[static_cast<std::size_t>(cause_of(cost))];
+  times_.late_log.add({ticks_.load(std::memory_order_relaxed) - 1, cost});
   const auto end_ns = [](const TickCost& c) { return c.late_ns + c.wall_ns; };
   if (end_ns(cost) > end_ns(times_.longest)) times_.longest = cost;
 }

@@ -13,6 +13,9 @@
 
 namespace palpate {
 
+// The name of the thread in the system's tools.
+inline constexpr const char* kHapticThreadName = "palpate-haptic";
+
 struct HapticThreadSettings {
   double rate_Hz = 1000.0;      // at least 1: a tick is at most kLongestTick_s long
   std::uint64_t max_ticks = 0;  // 0: until stop()

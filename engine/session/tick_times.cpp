@@ -1,8 +1,10 @@
 #include "engine/session/tick_times.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <sys/resource.h>
 #include <time.h>
 
@@ -11,29 +13,27 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-constexpr std::array<std::int64_t, TimeHistogram::kBuckets> make_bounds() {
-  std::array<std::int64_t, TimeHistogram::kBuckets> bounds{};
-  std::int64_t decade_ns = 1000;
-  for (std::size_t i = 0; i < bounds.size(); ++i) {
-    constexpr std::array<std::int64_t, 3> kSteps = {1, 2, 5};
-    bounds[i] = kSteps[i % 3] * decade_ns;
-    if (i % 3 == 2) decade_ns *= 10;
-  }
-  bounds.back() = std::numeric_limits<std::int64_t>::max();
-  return bounds;
+// Bits of a time that select its bucket within a power of two.
+constexpr int kFineBits = 5;
+constexpr std::size_t kFine = std::size_t{1} << kFineBits;
+
+constexpr std::size_t bucket_of(std::uint64_t time_ns) {
+  const int shift = std::max(0, static_cast<int>(std::bit_width(time_ns)) - kFineBits - 1);
+  const std::size_t bucket = static_cast<std::size_t>(shift) * kFine + (time_ns >> shift);
+  return std::min(bucket, TimeHistogram::kBuckets - 1);
 }
-constexpr auto kBounds = make_bounds();
-static_assert(kBounds[TimeHistogram::kBuckets - 2] == kSecond_ns);
 
 }  // namespace
 
 std::int64_t TimeHistogram::bound_ns(std::size_t bucket) noexcept {
-  return kBounds[bucket];
+  if (bucket + 1 >= kBuckets) return std::numeric_limits<std::int64_t>::max();
+  if (bucket < 2 * kFine) return static_cast<std::int64_t>(bucket);
+  const std::size_t shift = bucket / kFine - 1;
+  return static_cast<std::int64_t>(((bucket - shift * kFine + 1) << shift) - 1);
 }
 
 void TimeHistogram::add(std::int64_t time_ns) noexcept {
-  const auto bucket = std::lower_bound(kBounds.begin(), kBounds.end() - 1, time_ns);
-  ++buckets_[static_cast<std::size_t>(bucket - kBounds.begin())];
+  ++buckets_[bucket_of(static_cast<std::uint64_t>(std::max<std::int64_t>(0, time_ns)))];
   ++count_;
   largest_ns_ = std::max(largest_ns_, time_ns);
 }
@@ -43,9 +43,40 @@ std::int64_t TimeHistogram::percentile_ns(double share) const noexcept {
   std::uint64_t below = 0;
   for (std::size_t i = 0; i < kBuckets; ++i) {
     below += buckets_[i];
-    if (below > 0 && static_cast<double>(below) >= rank) return std::min(kBounds[i], largest_ns_);
+    if (below > 0 && static_cast<double>(below) >= rank) return std::min(bound_ns(i), largest_ns_);
   }
   return largest_ns_;
+}
+
+namespace {
+
+bool is_slower(const SlowTick& a, const SlowTick& b) {
+  return a.cpu_ns != b.cpu_ns ? a.cpu_ns > b.cpu_ns : a.tick < b.tick;
+}
+
+}  // namespace
+
+void SlowestTicks::add(const SlowTick& tick) noexcept {
+  const auto begin = heap_.begin();
+  if (count_ < kMost) {
+    heap_[count_++] = tick;
+    std::push_heap(begin, begin + static_cast<std::ptrdiff_t>(count_), is_slower);
+    return;
+  }
+  if (!is_slower(tick, heap_.front())) return;
+  std::pop_heap(begin, heap_.end(), is_slower);
+  heap_.back() = tick;
+  std::push_heap(begin, heap_.end(), is_slower);
+}
+
+std::vector<SlowTick> SlowestTicks::sorted() const {
+  std::vector<SlowTick> ticks(heap_.begin(), heap_.begin() + static_cast<std::ptrdiff_t>(count_));
+  std::sort(ticks.begin(), ticks.end(), is_slower);
+  return ticks;
+}
+
+std::uint64_t TickTimes::all_late_ticks() const noexcept {
+  return std::accumulate(late_ticks.begin(), late_ticks.end(), std::uint64_t{0});
 }
 
 LateCause cause_of(const TickCost& cost) noexcept {

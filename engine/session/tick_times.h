@@ -5,15 +5,18 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
+#include <vector>
 
 namespace palpate {
 
-// Counts times in buckets whose upper bounds are 1, 2 and 5 times powers of ten, from 1 us to 1 s;
-// the last bucket has no bound.
+// Counts times from 0 to 17 s, the last bucket all longer ones. Times below 64 ns have a bucket
+// each; above, each power of two is divided into 32 buckets, so that the bound of a bucket exceeds
+// its times by at most 1/32.
 class TimeHistogram {
  public:
-  static constexpr std::size_t kBuckets = 20;
+  static constexpr std::size_t kBuckets = 961;
 
   // Upper bound of a bucket, ns; the largest number for the last one.
   static std::int64_t bound_ns(std::size_t bucket) noexcept;
@@ -48,6 +51,7 @@ struct TickCost {
   std::int64_t late_ns = 0;      // start minus due time
   std::int64_t wall_ns = 0;      // start to end
   std::int64_t loop_ns = 0;      // the part of wall_ns in the loop
+  std::int64_t delay_ns = 0;     // start to the command of the force
   std::int64_t cpu_ns = 0;       // CPU time of the thread between start and end
   std::int64_t faults = 0;       // page faults since the end of the last tick
   std::int64_t preemptions = 0;  // involuntary context switches since the end of the last tick
@@ -56,14 +60,61 @@ struct TickCost {
 // The cause with the largest part in the delay.
 LateCause cause_of(const TickCost& cost) noexcept;
 
+struct SlowTick {
+  std::uint64_t tick = 0;
+  std::int64_t cpu_ns = 0;
+};
+
+// Keeps the ticks with the largest CPU times.
+class SlowestTicks {
+ public:
+  static constexpr std::size_t kMost = 256;
+
+  void add(const SlowTick& tick) noexcept;
+  // Slowest first; equal times in the order of the ticks. Allocates.
+  std::vector<SlowTick> sorted() const;
+
+ private:
+  std::array<SlowTick, kMost> heap_{};  // the fastest one first
+  std::size_t count_ = 0;
+};
+
+struct LateTick {
+  std::uint64_t tick = 0;
+  TickCost cost;
+};
+
+// Keeps the first late ticks.
+class LateTickLog {
+ public:
+  static constexpr std::size_t kMost = 1024;
+
+  void add(const LateTick& tick) noexcept {
+    if (count_ < kMost) ticks_[count_++] = tick;
+  }
+  std::span<const LateTick> ticks() const noexcept { return std::span(ticks_).first(count_); }
+
+ private:
+  std::array<LateTick, kMost> ticks_{};
+  std::size_t count_ = 0;
+};
+
 // The times of all ticks of a thread.
 struct TickTimes {
   TimeHistogram late;    // start minus due time
   TimeHistogram period;  // from start to start
   TimeHistogram wall;    // from reading the device to the end of the tick
-  TimeHistogram cpu;     // CPU time
+  TimeHistogram cpu;     // CPU time of the tick
+  TimeHistogram step;    // the loop's part of wall
+  TimeHistogram delay;   // from reading the device to its command
   std::array<std::uint64_t, kLateCauseNames.size()> late_ticks{};  // by cause
-  TickCost longest;  // of the late tick that took the longest after its due time
+  SlowestTicks slowest;
+  LateTickLog late_log;
+  TickCost longest;              // of the late tick that took the longest after its due time
+  std::int64_t faults = 0;       // page faults of the thread
+  std::int64_t preemptions = 0;  // involuntary context switches of the thread
+
+  std::uint64_t all_late_ticks() const noexcept;
 };
 
 // Reads the CPU time and the faults of the calling thread. Two system calls, less than 1 us.

@@ -9,23 +9,43 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/session/reached_timing.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
 
-TEST(TimeHistogram, CountsEachTimeInTheBucketWhoseBoundItDoesNotExceed) {
-  TimeHistogram times;
-  EXPECT_EQ(times.percentile_ns(0.5), 0);
-  EXPECT_EQ(TimeHistogram::bound_ns(0), 1000);
-  EXPECT_EQ(TimeHistogram::bound_ns(4), 20'000);
-  EXPECT_EQ(TimeHistogram::bound_ns(TimeHistogram::kBuckets - 2), 1'000'000'000);
-  for (const std::int64_t ns : {0, 1000, 1001, 2000, 1'000'000'001}) times.add(ns);
-  EXPECT_EQ(times.count(), 5u);
-  EXPECT_EQ(times.in_bucket(0), 2u);
-  EXPECT_EQ(times.in_bucket(1), 2u);
-  EXPECT_EQ(times.in_bucket(TimeHistogram::kBuckets - 1), 1u);
-  EXPECT_EQ(times.largest_ns(), 1'000'000'001);
+TEST(TimeHistogram, CountsEachTimeInTheFirstBucketWhoseBoundItDoesNotExceed) {
+  EXPECT_EQ(TimeHistogram().percentile_ns(0.5), 0);
+  test::Random random(4);
+  std::vector<std::int64_t> times_ns;
+  for (std::int64_t ns = 0; ns < 5000; ++ns) times_ns.push_back(ns);
+  for (int bit = 12; bit < 40; ++bit) {
+    for (const std::int64_t off : {-1, 0, 1}) times_ns.push_back((std::int64_t{1} << bit) + off);
+    times_ns.push_back(std::llround(std::pow(2.0, random.uniform(bit, bit + 1))));
+  }
+  for (const std::int64_t ns : times_ns) {
+    std::size_t first = 0;
+    while (TimeHistogram::bound_ns(first) < ns) ++first;
+    TimeHistogram times;
+    times.add(ns);
+    EXPECT_EQ(times.in_bucket(first), 1u) << ns;
+    EXPECT_EQ(times.count(), 1u);
+    EXPECT_EQ(times.largest_ns(), ns);
+  }
+}
+
+TEST(TimeHistogram, BoundsGrowByAtMostOneIn32) {
+  constexpr std::int64_t kLast_ns = std::int64_t{1} << 34;
+  for (std::size_t i = 1; i + 1 < TimeHistogram::kBuckets; ++i) {
+    const std::int64_t below_ns = TimeHistogram::bound_ns(i - 1);
+    const std::int64_t bound_ns = TimeHistogram::bound_ns(i);
+    EXPECT_GT(bound_ns, below_ns);
+    EXPECT_LE(bound_ns - below_ns, std::max<std::int64_t>(1, (below_ns + 1) / 32));
+  }
+  EXPECT_EQ(TimeHistogram::bound_ns(TimeHistogram::kBuckets - 2), kLast_ns - 1);
+  EXPECT_EQ(TimeHistogram::bound_ns(TimeHistogram::kBuckets - 1),
+            std::numeric_limits<std::int64_t>::max());
 }
 
 TEST(TimeHistogram, APercentileIsAtLeastTheExactOneAndInItsBucket) {
@@ -41,8 +61,7 @@ TEST(TimeHistogram, APercentileIsAtLeastTheExactOneAndInItsBucket) {
     const auto rank = static_cast<std::size_t>(std::ceil(share * 10'000)) - 1;
     const std::int64_t percentile_ns = times.percentile_ns(share);
     EXPECT_GE(percentile_ns, all[rank]);
-    EXPECT_LE(static_cast<double>(percentile_ns),
-              2.5 * static_cast<double>(std::max<std::int64_t>(400, all[rank])));
+    EXPECT_LE(percentile_ns, all[rank] + all[rank] / 32);
   }
   EXPECT_EQ(times.percentile_ns(1.0), all.back());
 }
@@ -53,21 +72,73 @@ TEST(LateCause, IsThePartThatTookTheLongest) {
     TickCost cost;
     LateCause cause;
   };
-  //             late, wall, loop, cpu, faults, preemptions
+  //             late, wall, loop, delay, cpu, faults, preemptions
   for (const Case& c : {
-           Case{{5 * kMs, 1000, 900, 900, 0, 0}, LateCause::kWokenLate},
-           Case{{5 * kMs, 4 * kMs, 4 * kMs, 1000, 0, 1}, LateCause::kWokenLate},
-           Case{{1000, 5 * kMs, 5 * kMs, 1000, 0, 1}, LateCause::kPreempted},
-           Case{{1000, 5 * kMs, 5 * kMs, 1000, 3, 1}, LateCause::kPreempted},
-           Case{{1000, 5 * kMs, 5 * kMs, 1000, 0, 0}, LateCause::kPreempted},  // by the host
-           Case{{1000, 5 * kMs, 5 * kMs, 1000, 3, 0}, LateCause::kPageFault},
-           Case{{1000, 5 * kMs, 1000, 1500, 0, 0}, LateCause::kDevice},     // it waited
-           Case{{1000, 5 * kMs, 1000, 5 * kMs, 0, 0}, LateCause::kDevice},  // it computed
-           Case{{1000, 5 * kMs, 5 * kMs, 5 * kMs, 0, 0}, LateCause::kOurs},
-           Case{{1000, 5 * kMs, 5 * kMs, 3 * kMs, 9, 9}, LateCause::kOurs},
+           Case{{5 * kMs, 1000, 900, 950, 900, 0, 0}, LateCause::kWokenLate},
+           Case{{5 * kMs, 4 * kMs, 4 * kMs, 4 * kMs, 1000, 0, 1}, LateCause::kWokenLate},
+           Case{{1000, 5 * kMs, 5 * kMs, 5 * kMs, 1000, 0, 1}, LateCause::kPreempted},
+           Case{{1000, 5 * kMs, 5 * kMs, 5 * kMs, 1000, 3, 1}, LateCause::kPreempted},
+           Case{{1000, 5 * kMs, 5 * kMs, 5 * kMs, 1000, 0, 0},
+                LateCause::kPreempted},  // by the host
+           Case{{1000, 5 * kMs, 5 * kMs, 5 * kMs, 1000, 3, 0}, LateCause::kPageFault},
+           Case{{1000, 5 * kMs, 1000, 1000, 1500, 0, 0}, LateCause::kDevice},     // it waited
+           Case{{1000, 5 * kMs, 1000, 1000, 5 * kMs, 0, 0}, LateCause::kDevice},  // it computed
+           Case{{1000, 5 * kMs, 5 * kMs, 5 * kMs, 5 * kMs, 0, 0}, LateCause::kOurs},
+           Case{{1000, 5 * kMs, 5 * kMs, 5 * kMs, 3 * kMs, 9, 9}, LateCause::kOurs},
        }) {
     EXPECT_EQ(cause_of(c.cost), c.cause) << c.cost.late_ns << " " << c.cost.wall_ns;
   }
+}
+
+TEST(SlowestTicks, AreTheOnesThatASortFinds) {
+  test::Random random(5);
+  std::vector<SlowTick> all;
+  SlowestTicks slowest;
+  for (std::uint64_t n = 0; n < 5000; ++n) {
+    all.push_back({n, static_cast<std::int64_t>(random.index(2000))});  // many equal times
+    slowest.add(all.back());
+    if (n != 10 && n != 4999) continue;
+    std::vector<SlowTick> expected = all;
+    std::stable_sort(expected.begin(), expected.end(),
+                     [](const SlowTick& a, const SlowTick& b) { return a.cpu_ns > b.cpu_ns; });
+    expected.resize(std::min(expected.size(), SlowestTicks::kMost));
+    const std::vector<SlowTick> kept = slowest.sorted();
+    ASSERT_EQ(kept.size(), expected.size());
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      EXPECT_EQ(kept[i].tick, expected[i].tick);
+      EXPECT_EQ(kept[i].cpu_ns, expected[i].cpu_ns);
+    }
+  }
+}
+
+TEST(LateTickLog, KeepsTheFirstOnes) {
+  LateTickLog log;
+  for (std::uint64_t n = 0; n < LateTickLog::kMost + 5; ++n) log.add({n, {}});
+  ASSERT_EQ(log.ticks().size(), LateTickLog::kMost);
+  EXPECT_EQ(log.ticks().back().tick, LateTickLog::kMost - 1);
+}
+
+// The oracle is the first-order form of the limits: both depend on T / 2 + D.
+TEST(ReachedTiming, ADelayLowersTheLimitsAsALongerPeriodDoes) {
+  RunSettings settings;
+  settings.device.damping_Ns_per_m = 2.0;
+  settings.device.encoder_quantum_m = 0.0;
+  const auto setup = make_setup(settings);
+  ASSERT_TRUE(setup) << setup.error().to_string();
+  TickTimes times;
+  for (int n = 0; n < 2000; ++n) {
+    times.period.add(n == 0 ? 50'000'000 : 1'000'000);  // one in 2000 does not count
+    times.delay.add(n == 0 ? 50'000'000 : 200'000);
+  }
+  const auto timing = reached_timing(*setup, times);
+  ASSERT_TRUE(timing) << timing.error().to_string();
+  EXPECT_NEAR(static_cast<double>(timing->period_ns), 1e6, 1e6 / 32);
+  EXPECT_NEAR(static_cast<double>(timing->delay_ns), 2e5, 2e5 / 32);
+  const double half_s = 1e-9 * static_cast<double>(timing->period_ns) / 2.0;
+  const double expected =
+      settings.device.damping_Ns_per_m / (half_s + 1e-9 * static_cast<double>(timing->delay_ns));
+  EXPECT_NEAR(timing->limits.passive_N_per_m, expected, 1e-12 * expected);
+  EXPECT_NEAR(timing->limits.stable_first_order_N_per_m, expected, 1e-12 * expected);
 }
 
 TEST(ThreadUsage, CountsTheComputingOfThisThread) {

@@ -1,0 +1,98 @@
+#include "engine/cli/tick_times_report.h"
+
+#include <cstdio>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/session/reached_timing.h"
+
+namespace palpate {
+namespace {
+
+using nlohmann::ordered_json;
+
+// "buckets": pairs of a bound and the number of times in the bucket below it; empty buckets are
+// left out. The bound of the last bucket is null.
+ordered_json histogram_json(const TimeHistogram& times) {
+  ordered_json buckets = ordered_json::array();
+  for (std::size_t i = 0; i < TimeHistogram::kBuckets; ++i) {
+    if (times.in_bucket(i) == 0) continue;
+    const bool is_last = i + 1 == TimeHistogram::kBuckets;
+    ordered_json bucket = ordered_json::array();
+    bucket.push_back(is_last ? ordered_json() : ordered_json(TimeHistogram::bound_ns(i)));
+    bucket.push_back(times.in_bucket(i));
+    buckets.push_back(std::move(bucket));
+  }
+  return {{"p50", times.percentile_ns(0.5)},
+          {"p99", times.percentile_ns(0.99)},
+          {"p999", times.percentile_ns(0.999)},
+          {"max", times.largest_ns()},
+          {"buckets", buckets}};
+}
+
+}  // namespace
+
+ordered_json tick_times_json(const TickTimes& times) {
+  ordered_json causes = ordered_json::object();
+  for (std::size_t i = 0; i < kLateCauseNames.size(); ++i) {
+    causes[std::string(kLateCauseNames[i])] = times.late_ticks[i];
+  }
+  const TickCost& longest = times.longest;
+  ordered_json json = {{"late_ns", histogram_json(times.late)},
+                       {"period_ns", histogram_json(times.period)},
+                       {"wall_ns", histogram_json(times.wall)},
+                       {"cpu_ns", histogram_json(times.cpu)},
+                       {"step_ns", histogram_json(times.step)},
+                       {"delay_ns", histogram_json(times.delay)},
+                       {"late_ticks", causes},
+                       {"longest_late_tick", nullptr},
+                       {"page_faults", times.faults},
+                       {"preemptions", times.preemptions}};
+  if (times.all_late_ticks() > 0) {
+    json["longest_late_tick"] = {
+        {"cause", kLateCauseNames[static_cast<std::size_t>(cause_of(longest))]},
+        {"late_ns", longest.late_ns},
+        {"wall_ns", longest.wall_ns},
+        {"step_ns", longest.loop_ns},
+        {"cpu_ns", longest.cpu_ns}};
+  }
+  return json;
+}
+
+ordered_json reached_timing_json(const RunSetup& setup, const TickTimes& times) {
+  if (times.period.count() == 0) return nullptr;
+  const auto timing = reached_timing(setup, times);
+  if (!timing) return nullptr;
+  return {{"period_ns", timing->period_ns},
+          {"delay_ns", timing->delay_ns},
+          {"passive_N_per_m", timing->limits.passive_N_per_m},
+          {"stable_N_per_m", timing->limits.stable_N_per_m}};
+}
+
+std::string late_causes_text(const TickTimes& times) {
+  std::string text;
+  for (std::size_t i = 0; i < kLateCauseNames.size(); ++i) {
+    const std::uint64_t ticks = times.late_ticks[i];
+    if (ticks == 0) continue;
+    text += (text.empty() ? " (" : ", ") + std::to_string(ticks) + " " +
+            std::string(kLateCauseNames[i]);
+  }
+  return text.empty() ? text : text + ")";
+}
+
+std::string reached_timing_text(const RunSetup& setup, const TickTimes& times) {
+  if (times.period.count() == 0) return {};
+  const auto timing = reached_timing(setup, times);
+  if (!timing) return {};
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "at the period and the delay that 99.9 %% of the ticks kept (%.3f ms, %.1f us), a "
+                "wall is passive up to %.0f N/m and stable below %.0f N/m\n",
+                1e-6 * static_cast<double>(timing->period_ns),
+                1e-3 * static_cast<double>(timing->delay_ns), timing->limits.passive_N_per_m,
+                timing->limits.stable_N_per_m);
+  return text;
+}
+
+}  // namespace palpate

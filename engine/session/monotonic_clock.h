@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <time.h>
+
+namespace palpate {
+
+// The time on CLOCK_MONOTONIC, ns. Any thread may call it.
+inline std::int64_t monotonic_ns() noexcept {
+  constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  timespec now;
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * kSecond_ns + now.tv_nsec;
+}
+
+}  // namespace palpate
