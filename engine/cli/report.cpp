@@ -10,6 +10,7 @@
 
 #include "engine/cli/effects_report.h"
 #include "engine/cli/option_names.h"
+#include "engine/cli/tick_times_report.h"
 #include "engine/scene/scene_contours.h"
 #include "engine/simulation/run_judgement.h"
 #include "geometry/base/printable.h"
@@ -70,18 +71,6 @@ std::string interruption_text(const ExplorationRun& run) {
   return format("after %.2f s", run.records.empty() ? 0.0 : run.records.back().time_s);
 }
 
-// " (3 woken_late, 1 preempted)"; empty if no tick was late.
-std::string late_causes_text(const ExplorationRun& run) {
-  std::string text;
-  for (std::size_t i = 0; run.tick_times && i < kLateCauseNames.size(); ++i) {
-    const std::uint64_t ticks = run.tick_times->late_ticks[i];
-    if (ticks == 0) continue;
-    text += (text.empty() ? " (" : ", ") + std::to_string(ticks) + " " +
-            std::string(kLateCauseNames[i]);
-  }
-  return text.empty() ? text : text + ")";
-}
-
 // A person with a device has no path to follow.
 bool has_way(const ExplorationRun& run) {
   return !run.contour_scene_m.empty() || !run.places_scene_m.empty();
@@ -124,7 +113,7 @@ std::vector<Line> run_lines(const Scene& scene) {
          if (!r.missed_deadlines) return std::string("-");
          return format("%llu of %llu", static_cast<unsigned long long>(*r.missed_deadlines),
                        static_cast<unsigned long long>(r.summary.ticks)) +
-                late_causes_text(r);
+                (r.tick_times ? late_causes_text(*r.tick_times) : std::string());
        }},
       {"tick p50 / p99 / max",
        [](const Run& r) {
@@ -333,34 +322,6 @@ ordered_json summary_json(const RunSummary& s, const Scene& scene) {
             {"max", s.step_ns.max_ns}}},
           {"load_ms", load_ms(scene.statistics())},
           {"triangles", scene.statistics().cleaning.triangles}};
-}
-
-ordered_json histogram_json(const TimeHistogram& times) {
-  ordered_json bounds = ordered_json::array();
-  ordered_json counts = ordered_json::array();
-  for (std::size_t i = 0; i < TimeHistogram::kBuckets; ++i) {
-    const bool is_last = i + 1 == TimeHistogram::kBuckets;
-    bounds.push_back(is_last ? ordered_json() : ordered_json(TimeHistogram::bound_ns(i)));
-    counts.push_back(times.in_bucket(i));
-  }
-  return {{"p50", times.percentile_ns(0.5)},
-          {"p99", times.percentile_ns(0.99)},
-          {"p999", times.percentile_ns(0.999)},
-          {"max", times.largest_ns()},
-          {"bounds", bounds},
-          {"counts", counts}};
-}
-
-ordered_json tick_times_json(const TickTimes& times) {
-  ordered_json causes = ordered_json::object();
-  for (std::size_t i = 0; i < kLateCauseNames.size(); ++i) {
-    causes[std::string(kLateCauseNames[i])] = times.late_ticks[i];
-  }
-  return {{"late_ns", histogram_json(times.late)},
-          {"period_ns", histogram_json(times.period)},
-          {"wall_ns", histogram_json(times.wall)},
-          {"cpu_ns", histogram_json(times.cpu)},
-          {"late_ticks", causes}};
 }
 
 ordered_json run_json(const ExplorationRun& run, const Scene& scene) {

@@ -22,6 +22,7 @@
 #include "engine/cli/run_advice.h"
 #include "engine/cli/run_on_device.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/tick_times_report.h"
 #include "engine/report/csv.h"
 #include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
@@ -96,7 +97,12 @@ nlohmann::ordered_json runs_json(const PreparedRun& prepared,
   }
   json["scale"] = prepared.scene.statistics().scale;
   json["runs"] = nlohmann::ordered_json::array();
-  for (const ExplorationRun& r : runs) json["runs"].push_back(run_json(r, prepared.scene));
+  for (const ExplorationRun& r : runs) {
+    json["runs"].push_back(run_json(r, prepared.scene));
+    json["runs"].back()["reached_timing"] = r.tick_times
+                                                ? reached_timing_json(prepared.setup, *r.tick_times)
+                                                : nlohmann::ordered_json();
+  }
   return json;
 }
 
@@ -137,6 +143,17 @@ std::optional<RunAdvice> find_advice(const RunRequest& command, const PreparedRu
       command, prepared, runs, [&](double share) { bar.show(share); }, &signal_flag());
 }
 
+// The stiffness of walls at the timing of the runs; empty in simulated time.
+std::string timing_text(const PreparedRun& prepared, const std::vector<ExplorationRun>& runs) {
+  std::string text;
+  for (const ExplorationRun& run : runs) {
+    if (!run.tick_times) continue;
+    text += (run.a4 ? "with A4: " : "without A4: ") +
+            reached_timing_text(prepared.setup, *run.tick_times);
+  }
+  return text;
+}
+
 std::string workspace_text(const DeviceDescription& device) {
   std::ostringstream text;
   text << workspace_extent_m(device) << " m along each sensed axis";
@@ -167,7 +184,7 @@ int run(const RunRequest& command) {
   } else {
     std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
               << run_heading(command, *prepared, workspace_text(prepared->setup.device))
-              << runs_text(runs, prepared->scene) << "traces"
+              << runs_text(runs, prepared->scene) << timing_text(*prepared, runs) << "traces"
               << (*has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
   }
   const int code = finish_output(warnings);

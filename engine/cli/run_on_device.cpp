@@ -18,6 +18,7 @@
 #include "engine/cli/program_signals.h"
 #include "engine/cli/report.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/tick_times_report.h"
 #include "engine/devices/device_options.h"
 #include "engine/devices/hapi_device.h"
 #include "engine/scene/memory_budget.h"
@@ -96,6 +97,7 @@ nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const Device
   json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
   json["scale"] = prepared.scene.statistics().scale;
   json["runs"] = {run_json(shown, prepared.scene)};
+  json["runs"][0]["reached_timing"] = reached_timing_json(prepared.setup, run.tick_times);
   return json;
 }
 
@@ -119,8 +121,9 @@ int report_run(const RunRequest& request, const PreparedRun& prepared, const Dev
   } else {
     const std::string workspace = device_workspace_text(request.options.settings.device);
     std::cout << ending << run_heading(request, prepared, workspace)
-              << runs_text({shown}, prepared.scene) << device_text(facts, run) << "trace in "
-              << request.out_dir << "/\n";
+              << runs_text({shown}, prepared.scene)
+              << reached_timing_text(prepared.setup, run.tick_times) << device_text(facts, run)
+              << "trace in " << request.out_dir << "/\n";
   }
   const int code = finish_output(warnings);
   return exit_code_after_signals(code == 0 && run.governor.trips > 0 ? kTripped : code);

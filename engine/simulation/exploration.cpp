@@ -3,23 +3,18 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <sstream>
 #include <thread>
 
 #include "engine/scene/memory_budget.h"
 #include "engine/session/haptic_thread.h"
-#include "engine/simulation/clearance_hint.h"
-#include "engine/simulation/contour_path.h"
 #include "engine/simulation/hand_session.h"
 #include "engine/simulation/path_coverage.h"
 #include "engine/simulation/path_plan.h"
-#include "engine/simulation/reachable_outlines.h"
+#include "engine/simulation/planned_hand.h"
 #include "engine/simulation/scene_cut.h"
 #include "engine/simulation/simulated_device.h"
-#include "engine/simulation/surface_path.h"
-#include "geometry/mesh/section.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -45,89 +40,6 @@ class Recorder final : public TickObserver {
   std::size_t count_ = 0;
   SummaryAccumulator summary_;
 };
-
-struct PlannedHand {
-  std::unique_ptr<HandPlan> plan;
-  Vec3 start_scene_m;
-  std::vector<Vec3> contour_m;  // the planned path; one of the two is empty
-  std::vector<Vec3> places_m;
-};
-
-PlannedHand hand_on(HandPath path, const PathFacts& facts, const PathPlanSettings& settings) {
-  auto plan = std::make_unique<PathPlan>(std::move(path), facts, settings);
-  const Vec3 start = plan->start_scene_m();
-  return {std::move(plan), start, {}, {}};
-}
-
-PathPlanSettings plan_settings(const ExplorationSettings& settings) {
-  PathPlanSettings plan;
-  plan.follow_s = settings.seconds - plan.approach_s;
-  return plan;
-}
-
-Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
-                                 const ExplorationSettings& settings) {
-  const ScenePose& pose = setup.haptics.initial_pose;
-  const Vec3 normal = pose.inverse_direction(Vec3::UnitZ());
-  const PathPlanSettings plan = plan_settings(settings);
-  const double small_m = kSmallForHand * plan.press_depth_m;
-  PathFacts facts;
-  facts.proxy_radius_m = setup.haptics.god_object.radius_m;
-  const auto found =
-      reachable_outlines(scene, pose, setup.haptics.plane_height_m, small_m, facts.proxy_radius_m);
-  if (!found) return found.error();
-  const Outline& followed = found->front();
-  std::vector<Polyline> obstacles;
-  for (const Outline& outline : *found) obstacles.push_back(outline.curve);
-  facts.slips_off_at_ends = !followed.curve.closed;
-  facts.sides = followed.has_two_sides ? PathSides::kEither : PathSides::kFront;
-  // A sphere also needs clearance for its other half.
-  double room_m = kRestsInFront * plan.press_depth_m + facts.proxy_radius_m;
-  std::vector<Vec3> contour = open_contour(followed.curve, obstacles, normal, room_m);
-  facts.room_m = std::max(0.0, room_m - facts.proxy_radius_m);
-  PlannedHand hand = hand_on(contour_path(contour, normal, small_m), facts, plan);
-  hand.contour_m = std::move(contour);
-  return hand;
-}
-
-// A hand that explores a surface. On a small object the path is at most kMostExtents times the
-// largest extent of the object.
-constexpr double kWalkSpeed_m_per_s = 0.04;
-constexpr double kMostExtents = 5.0;
-constexpr double kSecondsPerHeading = 3.0;
-constexpr double kSecondsPerPlace = 0.5;
-
-// The hand presses lightly: along an axis without a motor no wall resists it, so that it would
-// reach its full press depth, and the sideways force there grows with the depth.
-constexpr double kLightTouch = 0.6;
-
-Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
-                              const ExplorationSettings& settings) {
-  PathPlanSettings plan = plan_settings(settings);
-  plan.least_ease = kLightTouch;
-  SurfacePathSettings wanted;
-  wanted.length_m = std::min(kWalkSpeed_m_per_s * plan.follow_s,
-                             kMostExtents * scene.statistics().extent_m.maxCoeff());
-  const double speed_m_per_s = wanted.length_m / plan.follow_s;
-  wanted.leg_m = kSecondsPerHeading * speed_m_per_s;
-  wanted.room_m = plan.press_depth_m;
-  wanted.seed = settings.seed;
-  const std::optional<SurfacePath> found = plan_surface_path(scene, wanted);
-  if (!found) {
-    return Error{ErrorCode::kInvalidArgument, "", "scene",
-                 "has no surface with clearance for the hand in front of it",
-                 clearance_hint(scene, setup, wanted)};
-  }
-  PathFacts facts;
-  facts.proxy_radius_m = setup.haptics.god_object.radius_m;
-  facts.room_m = std::min(kRestsInFront * plan.press_depth_m, 0.5 * found->free_m);
-  facts.sides = found->is_open ? PathSides::kWhereFree : PathSides::kFront;
-  facts.may_cross_itself = true;
-  PlannedHand hand =
-      hand_on(simplified(found->path, kSmallForHand * plan.press_depth_m), facts, plan);
-  hand.places_m = places_along(found->path, kSecondsPerPlace * speed_m_per_s);
-  return hand;
-}
 
 // The first tick of the last fifth of a run.
 std::size_t late_tick(const ExplorationRun& run) {
@@ -245,14 +157,8 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   plant.device = setup.device;
   plant.seed = settings.seed;
   if (const auto error = check_plant(plant, setup.dt_s)) return *error;
-  if (scene.objects().empty()) {
-    return Error{ErrorCode::kEmptyScene, "", "scene",
-                 "has media but no surface for the hand to follow",
-                 "replay a path through the scene"};
-  }
   if (auto error = take_memory(scene, setup, settings, ledger)) return *error;
-  Result<PlannedHand> hand = setup.actuation.is_planar() ? plan_contour(scene, setup, settings)
-                                                         : plan_walk(scene, setup, settings);
+  Result<PlannedHand> hand = plan_hand(scene, setup, {settings.seconds, settings.seed});
   if (!hand) return hand.error();
   ExplorationRun run;
   run.a4 = setup.haptics.a4.enabled;

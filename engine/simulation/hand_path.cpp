@@ -146,6 +146,35 @@ HandPath other_side(HandPath path) {
   return path;
 }
 
+HandPath repeated(const HandPath& path, int laps) {
+  HandPath all = path;
+  for (int lap = 1; lap < laps; ++lap) {
+    all.points.pop_back();  // the first point of the next lap
+    all.points.insert(all.points.end(), path.points.begin(), path.points.end());
+  }
+  return all;
+}
+
+HandPath to_and_fro(const HandPath& path, int laps) {
+  const std::size_t last = path.points.size() - 1;
+  HandPath back;
+  for (std::size_t i = last + 1; i-- > 0;) {
+    HandPath::Point point = path.points[i];
+    point.inward = path.points[i > 0 ? i - 1 : 0].inward;
+    point.is_turn = point.is_turn || i == last;
+    back.points.push_back(point);
+  }
+  HandPath forth = path;
+  forth.points.front().is_turn = true;
+  HandPath all = path;
+  for (int lap = 1; lap < laps; ++lap) {
+    const HandPath& next = lap % 2 == 1 ? back : forth;
+    all.points.pop_back();
+    all.points.insert(all.points.end(), next.points.begin(), next.points.end());
+  }
+  return all;
+}
+
 HandPath simplified(const HandPath& path, double tolerance_m) {
   return path.points.size() < 3 ? path : Simplifier(path, tolerance_m).run();
 }

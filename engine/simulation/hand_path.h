@@ -41,6 +41,13 @@ double nearest_along_m(const HandPath& path, const std::vector<double>& lengths_
 // Returns `path` with its walls touched from behind.
 HandPath other_side(HandPath path);
 
+// A path that ends where it begins, followed `laps` times, laps >= 1.
+HandPath repeated(const HandPath& path, int laps);
+
+// A path followed `laps` times, laps >= 1, in its direction and against it by turns, along the same
+// side of its walls. The path takes a new heading at its ends.
+HandPath to_and_fro(const HandPath& path, int laps);
+
 // A simpler path. One leg replaces several if all points between its ends are within tolerance_m of
 // it and the path does not turn back. The wall of the new leg is the mean of the walls of the legs
 // that it replaces. Turns are kept.

@@ -1,0 +1,260 @@
+// The subcommand `soak`: runs the haptic thread for a long time, and reports late ticks and memory.
+
+#include <cstdio>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/cli/all_commands.h"
+#include "engine/cli/command_help.h"
+#include "engine/cli/command_output.h"
+#include "engine/cli/effects_report.h"
+#include "engine/cli/number_option.h"
+#include "engine/cli/prepared_run.h"
+#include "engine/cli/program_signals.h"
+#include "engine/cli/report.h"
+#include "engine/cli/run_results.h"
+#include "engine/cli/tick_times_report.h"
+#include "engine/report/output_files.h"
+#include "engine/report/text_file.h"
+#include "engine/simulation/soak.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kMostMinutes = 60.0 * 24.0;
+constexpr std::uint64_t kLastCpu = 1023;
+constexpr const char* kReportName = "soak.txt";
+constexpr const char* kJsonName = "soak.json";
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  char text[200];
+  std::snprintf(text, sizeof text, pattern, args...);
+  return text;
+}
+
+std::string times_line(const char* name, const TimeHistogram& times) {
+  const auto us = [](std::int64_t ns) { return 1e-3 * static_cast<double>(ns); };
+  return format("%-34s %10.1f %10.1f %10.1f %10.1f\n", name, us(times.percentile_ns(0.5)),
+                us(times.percentile_ns(0.99)), us(times.percentile_ns(0.999)),
+                us(times.largest_ns()));
+}
+
+std::string late_ticks_text(const SoakRun& run) {
+  const TickTimes& times = run.tick_times;
+  std::string text =
+      format("late ticks: %llu of %llu", static_cast<unsigned long long>(times.all_late_ticks()),
+             static_cast<unsigned long long>(run.summary.ticks)) +
+      late_causes_text(times) + "\n";
+  if (times.all_late_ticks() == 0) return text;
+  const TickCost& longest = times.longest;
+  const std::string_view cause = kLateCauseNames[static_cast<std::size_t>(cause_of(longest))];
+  return text + format(
+                    "longest: %.3f ms after its due time (%s), of which %.3f ms before its "
+                    "start; CPU time %.1f us\n",
+                    1e-6 * static_cast<double>(longest.late_ns + longest.wall_ns),
+                    std::string(cause).c_str(), 1e-6 * static_cast<double>(longest.late_ns),
+                    1e-3 * static_cast<double>(longest.cpu_ns));
+}
+
+std::string memory_text(const SoakRun& run) {
+  const auto grown = [](std::int64_t from, std::int64_t to) {
+    return static_cast<long long>(to - from);
+  };
+  return format(
+      "memory after the first second: heap %+lld bytes, resident %+lld bytes; page faults "
+      "of the haptic thread %lld\n",
+      grown(run.memory_at_start.heap, run.memory_at_end.heap),
+      grown(run.memory_at_start.resident, run.memory_at_end.resident),
+      static_cast<long long>(run.tick_times.faults));
+}
+
+std::string touch_text(const RunSummary& s) {
+  std::string faults;
+  for (std::size_t i = 0; i < s.faults.size(); ++i) {
+    if (s.faults[i] == 0) continue;
+    faults += (faults.empty() ? "" : ", ") + std::string(kFaultNames[i]) + " " +
+              std::to_string(s.faults[i]);
+  }
+  return format("in contact %.1f %%, %llu losses of contact, A4 turned the scene in %llu ticks\n",
+                100.0 * s.contact_share(), static_cast<unsigned long long>(s.losses_of_contact),
+                static_cast<unsigned long long>(s.a4_ticks)) +
+         "faults: " + (faults.empty() ? "none" : faults) + "\n";
+}
+
+std::string soak_text(const SoakRun& run, const RunSetup& setup) {
+  const TickTimes& times = run.tick_times;
+  std::string text = format("%-34s %10s %10s %10s %10s\n", "us", "50 %", "99 %", "99.9 %", "worst");
+  text += times_line("start after due time", times.late);
+  text += times_line("period", times.period);
+  text += times_line("reading the device to command", times.delay);
+  text += times_line("loop", times.step);
+  text += times_line("CPU time of a tick, hand included", times.cpu);
+  text += format("worst CPU time: %.2f %% of the period\n",
+                 1e-7 * static_cast<double>(times.cpu.largest_ns()) / setup.dt_s);
+  text += late_ticks_text(run) + reached_timing_text(setup, times);
+  text += format("ticks with a number that is not finite: %llu\n",
+                 static_cast<unsigned long long>(run.ticks_not_finite));
+  return text + memory_text(run) + touch_text(run.summary);
+}
+
+nlohmann::ordered_json memory_json(const ProcessMemory& memory) {
+  return {{"heap_bytes", memory.heap}, {"resident_bytes", memory.resident}};
+}
+
+// The same seed gives the same ticks, so that the ticks of two runs can be compared.
+nlohmann::ordered_json slowest_json(const SlowestTicks& slowest) {
+  nlohmann::ordered_json ticks = nlohmann::ordered_json::array();
+  for (const SlowTick& t : slowest.sorted()) {
+    nlohmann::ordered_json pair = nlohmann::ordered_json::array({t.tick, t.cpu_ns});
+    ticks.push_back(std::move(pair));
+  }
+  return ticks;
+}
+
+nlohmann::ordered_json late_log_json(const LateTickLog& log) {
+  nlohmann::ordered_json ticks = nlohmann::ordered_json::array();
+  for (const LateTick& t : log.ticks()) {
+    const std::string_view cause = kLateCauseNames[static_cast<std::size_t>(cause_of(t.cost))];
+    ticks.push_back({{"tick", t.tick},
+                     {"cause", cause},
+                     {"late_ns", t.cost.late_ns},
+                     {"wall_ns", t.cost.wall_ns},
+                     {"cpu_ns", t.cost.cpu_ns}});
+  }
+  return ticks;
+}
+
+nlohmann::ordered_json soak_json(const SoakRun& run, const PreparedRun& prepared) {
+  nlohmann::ordered_json summary = summary_json(run.summary, prepared.scene);
+  summary.erase("step_ns");  // tick_times has it
+  nlohmann::ordered_json json = {{"interrupted", run.interrupted},
+                                 {"rate_Hz", 1.0 / prepared.setup.dt_s},
+                                 {"sensors", prepared.setup.actuation.sensors()},
+                                 {"actuators", prepared.setup.actuation.actuators()},
+                                 {"fifo", run.realtime.fifo_priority},
+                                 {"locked_memory", run.realtime.locked_memory},
+                                 {"tick_times", tick_times_json(run.tick_times)}};
+  json["reached_timing"] = reached_timing_json(prepared.setup, run.tick_times);
+  json["worst_cpu_share"] =
+      1e-9 * static_cast<double>(run.tick_times.cpu.largest_ns()) / prepared.setup.dt_s;
+  json["slowest_ticks_cpu_ns"] = slowest_json(run.tick_times.slowest);
+  json["first_late_ticks"] = late_log_json(run.tick_times.late_log);
+  json["ticks_not_finite"] = run.ticks_not_finite;
+  json["memory_after_1_s"] = memory_json(run.memory_at_start);
+  json["memory_at_end"] = memory_json(run.memory_at_end);
+  json.update(summary);
+  return json;
+}
+
+class SoakCommand final : public Command {
+ public:
+  CLI::App* add_to(CLI::App& program) override;
+  int run(const std::vector<std::string>& arguments) override;
+
+ private:
+  std::string heading(const PreparedRun& prepared, const SoakRun& run) const;
+  int report(const PreparedRun& prepared, const SoakRun& run, OutputFiles& files) const;
+
+  RunRequest request_;
+  double minutes_ = 1.0;
+  std::optional<std::uint64_t> cpu_;
+};
+
+CLI::App* SoakCommand::add_to(CLI::App& program) {
+  RunSettings& settings = request_.options.settings;
+  settings.default_actuators = 2;
+  settings.a4 = true;
+  request_.a4 = A4Runs::kOn;
+  CLI::App& app = *program.add_subcommand(
+      "soak", "run the haptic thread for a long time, and report late ticks and memory");
+  set_help(app, "  ./run.sh soak models/star.glb --minutes 0.1\n");
+  add_scene(app, request_.scene);
+  add_place(app, request_.options);
+  add_device(app, request_.options,
+             "step of the device's encoders, m; required by the adaptive estimator");
+  add_workspace(app, settings.device);
+  for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
+  add_real(app, "--minutes", minutes_, {2.0 / 60.0, kMostMinutes}, "length of the run, minutes")
+      ->group(kHandGroup);
+  add_integer(app, "--seed", request_.exploration.seed, {}, "seed of the hand's noise and walk")
+      ->group(kHandGroup);
+  add_integer(app, "--cpu", cpu_, {0, kLastCpu}, "the CPU on which the haptic thread stays")
+      ->group(kHandGroup);
+  add_touch(app, settings);
+  add_choice<bool>(app, "--a4", settings.a4, {{"on", true}, {"off", false}}, "on",
+                   "turn the scene while in contact")
+      ->group(kA4Group);
+  add_rotation(app, settings);
+  app.add_option("--out", request_.out_dir, "folder of the report, soak.txt and soak.json")
+      ->capture_default_str()
+      ->group(kOutputGroup);
+  add_output(app, settings, request_.json);
+  return &app;
+}
+
+std::string SoakCommand::heading(const PreparedRun& prepared, const SoakRun& run) const {
+  std::ostringstream workspace;
+  workspace << workspace_extent_m(prepared.setup.device) << " m along each sensed axis";
+  std::string text = run_heading(request_, prepared, workspace.str());
+  text +=
+      format("%.6g Hz for %.6g min, A4 %s, SCHED_FIFO %s, memory %s\n", 1.0 / prepared.setup.dt_s,
+             minutes_, prepared.setup.haptics.a4.enabled ? "on" : "off",
+             run.realtime.fifo_priority ? "granted" : "refused",
+             run.realtime.locked_memory ? "locked" : "not locked");
+  if (run.interrupted) text += "interrupted; the report covers the ticks until then\n";
+  return text;
+}
+
+int SoakCommand::report(const PreparedRun& prepared, const SoakRun& run, OutputFiles& files) const {
+  const std::string text = heading(prepared, run) + soak_text(run, prepared.setup);
+  const nlohmann::ordered_json json = soak_json(run, prepared);
+  for (const auto& [name, content] :
+       {std::pair{kReportName, text}, std::pair{kJsonName, json.dump(2) + "\n"}}) {
+    const auto written = write_text_file(files.path(name), content);
+    if (!written) return refuse(files.in_place(written.error()));
+  }
+  if (const auto error = move_into_place(files)) return refuse(*error);
+  if (request_.json) {
+    print(json);
+  } else {
+    std::cout << text << "report in " << request_.out_dir << "/\n";
+  }
+  std::vector<std::string> warnings = not_understood_lines(prepared.scene);
+  if (!run.realtime.explanation.empty()) warnings.push_back(run.realtime.explanation);
+  return exit_code_after_signals(finish_output(warnings));
+}
+
+int SoakCommand::run(const std::vector<std::string>& arguments) {
+  request_.arguments = arguments;
+  const Result<PreparedRun> prepared = prepare_run(request_);
+  if (!prepared) return refuse(with_path(prepared.error(), request_.scene.path));
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  Result<OutputFiles> files = OutputFiles::create(request_.out_dir, {kReportName, kJsonName});
+  if (!files) return refuse(files.error());
+  SoakSettings settings;
+  settings.seconds = 60.0 * minutes_;
+  settings.seed = request_.exploration.seed;
+  if (cpu_) settings.cpu = static_cast<int>(*cpu_);
+  const Result<SoakRun> done = [&] {
+    ProgressBar bar("soak", settings.seconds);
+    return soak(
+        prepared->scene, prepared->setup, settings, [&](double share) { bar.show(share); },
+        &signal_flag());
+  }();
+  if (!done) return refuse(with_path(done.error(), request_.scene.path));
+  if (done->summary.ticks == 0) return report_nothing_done();
+  return report(*prepared, *done, *files);
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_soak_command() {
+  return std::make_unique<SoakCommand>();
+}
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+#pragma once
+
+// A long run of the haptic thread with a simulated hand, to find late ticks and memory that grows.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "engine/scene/scene.h"
+#include "engine/session/realtime.h"
+#include "engine/session/run_setup.h"
+#include "engine/session/run_summary.h"
+#include "engine/session/stop_flag.h"
+#include "engine/session/tick_times.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+struct SoakSettings {
+  double seconds = 60.0;
+  std::uint64_t seed = 1;
+  std::optional<int> cpu;  // see HapticThreadSettings
+};
+
+// Memory of the process, bytes.
+struct ProcessMemory {
+  std::int64_t heap = 0;      // in use, as malloc counts it
+  std::int64_t resident = 0;  // in physical memory
+
+  static ProcessMemory now();
+};
+
+struct SoakRun {
+  bool interrupted = false;  // by a StopFlag
+  RealtimeStatus realtime;
+  TickTimes tick_times;
+  RunSummary summary;                  // without step_ns
+  std::uint64_t ticks_not_finite = 0;  // ticks with a number in their record that is not finite
+  // One second after the start, or at the end of a shorter run, and at the end.
+  ProcessMemory memory_at_start, memory_at_end;
+};
+
+// Runs one session on the haptic thread. The hand follows a path (plan_hand) of as many laps as fit
+// the time. Records of ticks are not kept, so that the memory does not depend on the time.
+//
+// Errors: as explore(); the number of ticks has no limit.
+Result<SoakRun> soak(const Scene& scene, const RunSetup& setup, const SoakSettings& settings,
+                     const std::function<void(double)>& progress, const StopFlag* stop = nullptr);
+
+}  // namespace palpate

@@ -1,0 +1,66 @@
+// The command `soak`, started as a script starts it.
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/engine/cli/run_program.h"
+
+namespace palpate {
+namespace {
+
+using test::content_of;
+using test::Outcome;
+using test::run_program;
+using test::TemporaryFolder;
+
+constexpr const char* kSoakedStar = PALPATE_MODELS_DIR "/star.glb";
+
+TEST(SoakCommand, ReportsEveryTickWithItsTimes) {
+  const TemporaryFolder folder;
+  const Outcome done = run_program(
+      folder, {"soak", kSoakedStar, "--minutes", "0.05", "--rate", "500", "--out", "report"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  const std::string text = content_of(folder.path("report/soak.txt"));
+  EXPECT_EQ(done.out, text + "report in report/\n");
+  const auto report = nlohmann::json::parse(content_of(folder.path("report/soak.json")));
+  EXPECT_EQ(report["ticks"], 1500);
+  EXPECT_EQ(report["rate_Hz"], 500.0);
+  EXPECT_EQ(report["ticks_not_finite"], 0);
+  std::uint64_t counted = 0;
+  for (const auto& bucket : report["tick_times"]["cpu_ns"]["buckets"]) {
+    counted += bucket[1].get<std::uint64_t>();
+  }
+  EXPECT_EQ(counted, 1500u);
+  std::uint64_t late = 0;
+  for (const auto& ticks : report["tick_times"]["late_ticks"]) late += ticks.get<std::uint64_t>();
+  EXPECT_NE(text.find("late ticks: " + std::to_string(late) + " of 1500"), std::string::npos);
+  EXPECT_GE(report["reached_timing"]["period_ns"], 1'990'000);
+  EXPECT_GT(report["reached_timing"]["stable_N_per_m"], 0.0);
+}
+
+TEST(SoakCommand, RefusesBadArgumentsAndLeavesNothing) {
+  const TemporaryFolder folder;
+  for (const auto& arguments : {std::vector<std::string>{"soak"},
+                                {"soak", kSoakedStar, "--minutes", "0"},
+                                {"soak", kSoakedStar, "--minutes", "0.03"},
+                                {"soak", kSoakedStar, "--minutes", "nan"},
+                                {"soak", kSoakedStar, "--minutes", "2000"},
+                                {"soak", kSoakedStar, "--rate", "0"},
+                                {"soak", kSoakedStar, "--cpu", "-1"},
+                                {"soak", kSoakedStar, "--virtual"},
+                                {"soak", "missing.glb"}}) {
+    const Outcome refused = run_program(folder, arguments);
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_EQ(refused.out, "");
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path("out")));
+}
+
+}  // namespace
+}  // namespace palpate
