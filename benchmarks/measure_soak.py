@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Runs `palpate soak` for the committed results, and writes benchmarks/results/soak/NAME.json.
+
+usage: measure_soak.py PALPATE WRITE_MESH COUNT_ALLOCATIONS [NAME...] [--short]
+
+Each soak runs twice with the same seed, so that the ticks of both runs have the same inputs and the
+same work: a tick that is slow in only one of the runs was slowed down by the machine (interrupts, or
+a host that took the CPU away), because the system charges such times to the thread that it finds
+running. "worst_repeated_cpu_ns" is the largest CPU time, of all ticks, that both runs needed: for
+each tick the smaller one counts. A tick outside of the list of one run (slowest_ticks_cpu_ns) was
+at most as slow there as the last one of the list. "ours_in_both" counts the ticks that were late
+because of their own computing in both runs. --short: a few seconds each; writes nothing.
+"""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+SPHERE = ["sphere", "8"]  # 1.3 million triangles
+SCAN = ["scan", "0.00091"]  # 1.25 million triangles, with noise and holes
+SOAKS = {
+    "sphere_1kHz": (SPHERE, 1000, 20.0),
+    "sphere_10kHz": (SPHERE, 10000, 5.0),
+    "scan_1kHz": (SCAN, 1000, 5.0),
+    "scan_10kHz": (SCAN, 10000, 2.0),
+}
+SHORT_MINUTES = 0.1
+RESULTS = pathlib.Path(__file__).parent / "results" / "soak"
+
+
+def worst_repeated_cpu_ns(runs):
+    lists = [dict(map(tuple, run["slowest_ticks_cpu_ns"])) for run in runs]
+    least = [min(times.values()) for times in lists]
+    worst = min(least)
+    for tick in set(lists[0]) | set(lists[1]):
+        worst = max(worst, min(times.get(tick, last) for times, last in zip(lists, least)))
+    return worst
+
+
+def ours_in_both(runs):
+    ours = [{late["tick"] for late in run["first_late_ticks"] if late["cause"] in ("ours", "device")}
+            for run in runs]
+    return len(ours[0] & ours[1])
+
+
+def soak(palpate, counter, scene, rate_Hz, minutes, folder):
+    environment = dict(os.environ, LD_PRELOAD=str(pathlib.Path(counter).resolve()))
+    done = subprocess.run(
+        [palpate, "soak", scene, "--minutes", str(minutes), "--rate", str(rate_Hz), "--out", folder],
+        env=environment, capture_output=True, text=True, check=True)
+    print(done.stdout, done.stderr, sep="", flush=True)
+    counts = re.search(r"haptic thread: (\d+) allocations, (\d+) releases, (\d+) locks", done.stderr)
+    run = json.loads(pathlib.Path(folder, "soak.json").read_text())
+    run["allocations"], run["releases"], run["locks"] = map(int, counts.groups())
+    return run
+
+
+def measure(name, programs, folder, is_short):
+    palpate, write_mesh, counter = programs
+    mesh, rate_Hz, minutes = SOAKS[name]
+    scene = os.path.join(folder, mesh[0] + ".glb")
+    subprocess.run([write_mesh, scene, *mesh], check=True)
+    length = SHORT_MINUTES if is_short else minutes
+    runs = [soak(palpate, counter, scene, rate_Hz, length, folder) for _ in range(2)]
+    result = {"minutes": length, "worst_repeated_cpu_ns": worst_repeated_cpu_ns(runs),
+              "ours_in_both": ours_in_both(runs), "runs": runs}
+    share = 1e-9 * result["worst_repeated_cpu_ns"] * rate_Hz
+    print(f"{name}: worst CPU time of a tick in both runs {result['worst_repeated_cpu_ns']} ns, "
+          f"{100 * share:.2f} % of the period; late in both because of their computing: "
+          f"{result['ours_in_both']}\n", flush=True)
+    for run in runs:
+        del run["slowest_ticks_cpu_ns"], run["first_late_ticks"]
+        for times in run["tick_times"].values():
+            if isinstance(times, dict):
+                times.pop("buckets", None)
+    return result
+
+
+def main():
+    programs = sys.argv[1:4]
+    names = [name for name in sys.argv[4:] if name != "--short"] or list(SOAKS)
+    is_short = "--short" in sys.argv
+    with tempfile.TemporaryDirectory() as folder:
+        for name in names:
+            result = measure(name, programs, folder, is_short)
+            if is_short:
+                continue
+            RESULTS.mkdir(parents=True, exist_ok=True)
+            (RESULTS / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
