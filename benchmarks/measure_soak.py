@@ -3,7 +3,7 @@
 
 usage: measure_soak.py PALPATE WRITE_MESH COUNT_ALLOCATIONS [NAME...] [--short]
 
-Each soak runs twice with the same seed, so that the ticks of both runs have the same inputs and the
+Each soak runs twice with the same seed and at the same time, so that the ticks of both runs have the same inputs and the
 same work: a tick that is slow in only one of the runs was slowed down by the machine (interrupts, or
 a host that took the CPU away), because the system charges such times to the thread that it finds
 running. "worst_repeated_cpu_ns" is the largest CPU time, of all ticks, that both runs needed: for
@@ -12,6 +12,7 @@ at most as slow there as the last one of the list. "ours_in_both" counts the tic
 because of their own computing in both runs. --short: a few seconds each; writes nothing.
 """
 
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -65,7 +66,9 @@ def measure(name, programs, folder, is_short):
     scene = os.path.join(folder, mesh[0] + ".glb")
     subprocess.run([write_mesh, scene, *mesh], check=True)
     length = SHORT_MINUTES if is_short else minutes
-    runs = [soak(palpate, counter, scene, rate_Hz, length, folder) for _ in range(2)]
+    with concurrent.futures.ThreadPoolExecutor() as both:
+        runs = list(both.map(lambda out: soak(palpate, counter, scene, rate_Hz, length, out),
+                             [os.path.join(folder, "first"), os.path.join(folder, "second")]))
     result = {"minutes": length, "worst_repeated_cpu_ns": worst_repeated_cpu_ns(runs),
               "ours_in_both": ours_in_both(runs), "runs": runs}
     share = 1e-9 * result["worst_repeated_cpu_ns"] * rate_Hz

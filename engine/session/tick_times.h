@@ -68,7 +68,7 @@ struct SlowTick {
 // Keeps the ticks with the largest CPU times.
 class SlowestTicks {
  public:
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMost = 4096;
 
   void add(const SlowTick& tick) noexcept;
   // Slowest first; equal times in the order of the ticks. Allocates.
