@@ -57,6 +57,8 @@ void HapiLink::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns)
     if (phase_ == Phase::kClearing) quiet_since_ns_ = now_ns;
     if (phase_ == Phase::kClearing || phase_ == Phase::kOff) continue;
     const bool is_asking = phase_ == Phase::kAsking;
+    // The next message would cut a question that the line has not taken yet.
+    if (is_asking && !to_send().empty()) continue;
     switch (parser_.add(byte)) {
       case HapiAnswerParser::State::kIncomplete:
         break;
