@@ -92,11 +92,12 @@ class GovernedTicks {
   std::array<Vec3, kSamples> forces_N_{};
 };
 
-// What the driver's thread does for the guard with each message (HapiLink::watch_guard, sent).
-void beat(MotorGuard& guard, std::int64_t tick_ns) {
-  benchmark::DoNotOptimize(guard.is_alive());
+// What the driver's thread does for the guard with each message (HapiLink::watch_guard, sent). It
+// has read the clock for itself.
+void beat(MotorGuard& guard, std::int64_t now_ns) {
+  benchmark::DoNotOptimize(guard.is_alive(now_ns));
   benchmark::DoNotOptimize(guard.trip_epoch());
-  guard.beat(tick_ns);
+  guard.beat(now_ns, now_ns);
 }
 
 // A guard that is not armed, of a terminal that nobody reads.
@@ -143,11 +144,11 @@ void run_governor(benchmark::State& state, const GovernorCase& governor_case) {
                       governor_case.turns);
   for (int n = 0; n < 10; ++n) ticks.tick();  // while the force grows
   std::uint32_t faults = 0;
-  std::int64_t tick_ns = 0;
+  std::int64_t now_ns = guard_clock_ns();
   for (auto _ : state) {
     const TickRecord& record = ticks.tick();
     faults |= record.faults;
-    if (governor_case.beats) beat(*guard.get(), ++tick_ns);
+    if (governor_case.beats) beat(*guard.get(), ++now_ns);
   }
   if (faults != kFaultNone) state.SkipWithError("a rule of the governor has acted");
 }
@@ -155,8 +156,8 @@ void run_governor(benchmark::State& state, const GovernorCase& governor_case) {
 void run_heartbeat(benchmark::State& state) {
   const Guard guard;
   if (guard.get() == nullptr) return state.SkipWithError(guard.problem().c_str());
-  std::int64_t tick_ns = 0;
-  for (auto _ : state) beat(*guard.get(), ++tick_ns);
+  std::int64_t now_ns = guard_clock_ns();
+  for (auto _ : state) beat(*guard.get(), ++now_ns);
 }
 
 // What the haptic thread adds to a tick, as in HapticThread::run_tick(), for a tick that is late.

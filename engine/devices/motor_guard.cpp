@@ -283,11 +283,11 @@ std::optional<Error> MotorGuard::disarm() {
   return ring();
 }
 
-void MotorGuard::beat(std::int64_t tick_ns) noexcept {
+void MotorGuard::beat(std::int64_t tick_ns, std::int64_t now_ns) noexcept {
   thread_local const pid_t thread = gettid();
   shared_->driver_thread.store(thread, std::memory_order_relaxed);
   shared_->tick_ns.store(tick_ns, std::memory_order_release);
-  shared_->beat_ns.store(guard_clock_ns(), std::memory_order_release);
+  shared_->beat_ns.store(now_ns, std::memory_order_release);
 }
 
 std::uint64_t MotorGuard::trip_epoch() const noexcept {
@@ -307,10 +307,10 @@ bool MotorGuard::is_quiet() const noexcept {
          shared_->trip_epoch.load(std::memory_order_acquire);
 }
 
-bool MotorGuard::is_alive() const noexcept {
+bool MotorGuard::is_alive(std::int64_t now_ns) const noexcept {
   if (has_ended_.load(std::memory_order_acquire)) return false;
   if (shared_->is_guard_alive.load(std::memory_order_acquire) == 0) return false;
-  return guard_clock_ns() - shared_->guard_ns.load(std::memory_order_acquire) < kFrozenNs;
+  return now_ns - shared_->guard_ns.load(std::memory_order_acquire) < kFrozenNs;
 }
 
 }  // namespace palpate
