@@ -160,30 +160,16 @@ void run_heartbeat(benchmark::State& state) {
   for (auto _ : state) beat(*guard.get(), ++now_ns);
 }
 
-// What the haptic thread adds to a tick, as in HapticThread::run_tick(), for a tick that is late.
-void run_attribution(benchmark::State& state) {
-  TickTimes times;
-  ThreadUsage::Reading last = ThreadUsage::now();
-  std::int64_t last_start_ns = guard_clock_ns();
+// What the haptic thread adds to a tick in order to attribute the late ones.
+void run_attribution(benchmark::State& state, bool are_late) {
+  TickMeter meter;
+  meter.start();
   for (auto _ : state) {
-    const std::int64_t cpu_before_ns = ThreadUsage::cpu_ns();
-    const std::int64_t start_ns = guard_clock_ns();
-    const std::int64_t wall_ns = guard_clock_ns() - start_ns;
-    const ThreadUsage::Reading usage = ThreadUsage::now();
-    const TickCost cost = {start_ns - last_start_ns,
-                           wall_ns,
-                           wall_ns,
-                           usage.cpu_ns - cpu_before_ns,
-                           usage.faults - last.faults,
-                           usage.preemptions - last.preemptions};
-    times.late.add(cost.late_ns);
-    times.wall.add(cost.wall_ns);
-    times.cpu.add(cost.cpu_ns);
-    times.period.add(start_ns - last_start_ns);
-    ++times.late_ticks[static_cast<std::size_t>(cause_of(cost))];
-    last = usage;
-    last_start_ns = start_ns;
+    const std::int64_t start_ns = meter.begin(0);
+    meter.end(0, 0, are_late ? 0 : start_ns + kDt_ns);
   }
+  meter.finish();
+  const TickTimes& times = meter.times();
   if (times.cpu.count() != static_cast<std::uint64_t>(state.iterations())) {
     state.SkipWithError("a tick was not counted");
   }
@@ -206,7 +192,11 @@ void register_governor_benchmarks() {
         [=](benchmark::State& state) { run_governor(state, governor_case); });
   }
   benchmark::RegisterBenchmark("governor/heartbeat", run_heartbeat);
-  benchmark::RegisterBenchmark("governor/attribution", run_attribution);
+  for (const bool are_late : {false, true}) {
+    benchmark::RegisterBenchmark(
+        are_late ? "governor/attribution_late" : "governor/attribution",
+        [=](benchmark::State& state) { run_attribution(state, are_late); });
+  }
 }
 
 }  // namespace palpate::bench

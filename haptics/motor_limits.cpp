@@ -34,10 +34,11 @@ MotorLimits::MotorLimits(std::span<const MotorDescription> motors) noexcept {
         parts[i] += along;
       }
     }
-    if (!(rest.norm() > kLeastSine)) continue;
-    parts[count_] = rest.norm();
+    const double sine = rest.norm();
+    if (!(sine > kLeastSine)) continue;
+    parts[count_] = sine;
     to_basis_.col(count_) = parts;
-    basis_[static_cast<std::size_t>(count_)] = rest / rest.norm();
+    basis_[static_cast<std::size_t>(count_)] = rest / sine;
     peak_N_[static_cast<std::size_t>(count_)] = motor.peak_force_N;
     ++count_;
   }

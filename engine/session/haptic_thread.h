@@ -52,12 +52,12 @@ class HapticThread {
     return missed_deadlines_.load(std::memory_order_acquire);
   }
   // Of all ticks. Call it after join() or stop().
-  const TickTimes& times() const { return times_; }
+  const TickTimes& times() const { return meter_.times(); }
 
  private:
   void run();
-  void run_tick(std::int64_t due_ns, double dt_s);
-  void add_late_tick(const TickCost& cost);
+  // Returns whether the tick ended after next_due_ns.
+  bool run_tick(std::int64_t due_ns, std::int64_t next_due_ns, double dt_s);
 
   HapticSession& session_;
   HapticThreadSettings settings_;
@@ -69,10 +69,7 @@ class HapticThread {
   std::atomic<std::uint64_t> missed_deadlines_{0};
   RealtimeStatus status_;  // set by the thread before is_ready_
   std::atomic<bool> is_ready_{false};
-  TickTimes times_;
-  TickCost cost_;               // of the last tick
-  ThreadUsage::Reading usage_;  // after the last tick
-  std::int64_t last_start_ns_ = 0;
+  TickMeter meter_;
 };
 
 }  // namespace palpate

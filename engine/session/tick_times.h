@@ -48,13 +48,15 @@ inline constexpr std::array<std::string_view, 5> kLateCauseNames = {"woken_late"
 
 // What one tick cost.
 struct TickCost {
-  std::int64_t late_ns = 0;      // start minus due time
-  std::int64_t wall_ns = 0;      // start to end
-  std::int64_t loop_ns = 0;      // the part of wall_ns in the loop
-  std::int64_t delay_ns = 0;     // start to the command of the force
-  std::int64_t cpu_ns = 0;       // CPU time of the thread between start and end
-  std::int64_t faults = 0;       // page faults since the end of the last tick
-  std::int64_t preemptions = 0;  // involuntary context switches since the end of the last tick
+  std::int64_t late_ns = 0;   // start minus due time
+  std::int64_t wall_ns = 0;   // start to end
+  std::int64_t loop_ns = 0;   // the part of wall_ns in the loop
+  std::int64_t delay_ns = 0;  // start to the command of the force
+  std::int64_t cpu_ns = 0;    // CPU time of the thread between start and end
+  // Page faults and involuntary context switches, in this tick or since the end of the last tick
+  // that was late or had to wait; 0 for a tick that is not late and did not wait.
+  std::int64_t faults = 0;
+  std::int64_t preemptions = 0;
 };
 
 // The cause with the largest part in the delay.
@@ -114,17 +116,45 @@ struct TickTimes {
   std::int64_t faults = 0;       // page faults of the thread
   std::int64_t preemptions = 0;  // involuntary context switches of the thread
 
+  void add_late(const LateTick& tick) noexcept;
   std::uint64_t all_late_ticks() const noexcept;
 };
 
-// Reads the CPU time and the faults of the calling thread. Two system calls, less than 1 us.
+// Reads the CPU time and the faults of the calling thread, one system call each.
 class ThreadUsage {
  public:
   struct Reading {
-    std::int64_t cpu_ns = 0, faults = 0, preemptions = 0;
+    std::int64_t faults = 0, preemptions = 0;
   };
   static std::int64_t cpu_ns() noexcept;
   static Reading now() noexcept;
+};
+
+// Measures the ticks of one thread, in less than 1 us each. One thread owns an object.
+class TickMeter {
+ public:
+  // Call it on the thread that is measured, before the first tick.
+  void start() noexcept { usage_ = ThreadUsage::now(); }
+  // Call it at the begin of a tick. Returns the time, which is the start of the tick. due_ns: on
+  // the monotonic clock.
+  std::int64_t begin(std::int64_t due_ns) noexcept;
+  // Call it at the end of a tick. loop_ns, delay_ns: as in TickCost. next_due_ns: the tick is late
+  // if it ends after this time. Returns whether it is late.
+  bool end(std::int64_t loop_ns, std::int64_t delay_ns, std::int64_t next_due_ns) noexcept;
+  // Call it after the last tick, before times().
+  void finish() noexcept { read_usage(); }
+
+  const TickTimes& times() const noexcept { return times_; }
+
+ private:
+  void read_usage() noexcept;
+
+  TickTimes times_;
+  TickCost cost_;
+  ThreadUsage::Reading usage_;  // when the faults were last read
+  std::uint64_t ticks_ = 0;
+  std::int64_t start_ns_ = 0;  // of the last tick; 0 before the first one
+  std::int64_t cpu_start_ns_ = 0;
 };
 
 }  // namespace palpate
