@@ -3,14 +3,14 @@
 
 usage: measure_soak.py PALPATE WRITE_MESH COUNT_ALLOCATIONS [NAME...] [--short]
 
-Each soak runs three times at the same time and with the same seed, so that the ticks of all runs have
-the same inputs and the same work: a tick that is slow in only some of the runs was slowed down by the
-machine (interrupts, or a host that took the CPU away), because the system charges such times to the
-thread that it finds running. "worst_repeated_cpu_ns" is the largest CPU time, of all ticks, that all
-runs needed: for each tick the smallest one counts. A tick outside of the list of one run
-(slowest_ticks_cpu_ns) was at most as slow there as the last one of the list. "ours_in_all" counts the
-ticks that were late because of their own computing in all runs. --short: a few seconds each; writes
-nothing.
+Each soak runs three times with the same seed, so that the ticks of all runs have the same inputs and
+the same work. The runs overlap, but begin a few seconds apart, so that nothing disturbs the same tick
+in all of them. A tick that is slow in only some of the runs was slowed down by the machine (interrupts,
+or a host that took the CPU away), because the system charges such times to the thread that it finds
+running. "worst_repeated_cpu_ns" is the largest CPU time, of all ticks, that all runs needed: for each
+tick the smallest one counts. A tick outside of the list of one run (slowest_ticks_cpu_ns) was at most
+as slow there as the last one of the list. "ours_in_all" counts the ticks that were late because of
+their own computing in all runs. --short: a few seconds each; writes nothing.
 """
 
 import concurrent.futures
@@ -21,6 +21,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 
 SPHERE = ["sphere", "8"]  # 1.3 million triangles
 SCAN = ["scan", "0.00091"]  # 1.25 million triangles, with noise and holes
@@ -31,6 +32,7 @@ SOAKS = {
     "scan_10kHz": (SCAN, 10000, 2.0),
 }
 RUNS = 3
+APART_S = 5.0
 SHORT_MINUTES = 0.1
 RESULTS = pathlib.Path(__file__).parent / "results" / "soak"
 
@@ -70,7 +72,11 @@ def measure(name, programs, folder, is_short):
     length = SHORT_MINUTES if is_short else minutes
     outs = [os.path.join(folder, str(run)) for run in range(RUNS)]
     with concurrent.futures.ThreadPoolExecutor(RUNS) as pool:
-        runs = list(pool.map(lambda out: soak(palpate, counter, scene, rate_Hz, length, out), outs))
+        jobs = []
+        for out in outs:
+            jobs.append(pool.submit(soak, palpate, counter, scene, rate_Hz, length, out))
+            time.sleep(APART_S)
+        runs = [job.result() for job in jobs]
     result = {"minutes": length, "worst_repeated_cpu_ns": worst_repeated_cpu_ns(runs),
               "ours_in_all": ours_in_all(runs), "runs": runs}
     share = 1e-9 * result["worst_repeated_cpu_ns"] * rate_Hz
