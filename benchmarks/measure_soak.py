@@ -8,11 +8,12 @@ the same work. The runs overlap, but begin a few seconds apart, so that nothing 
 in all of them. A tick that is slow in only some of the runs was slowed down by the machine (interrupts,
 or a host that took the CPU away), because the system charges such times to the thread that it finds
 running. "worst_repeated_cpu_ns" is the largest CPU time, of all ticks, that all runs needed: for each
-tick the smallest one counts. A tick outside of the list of one run (slowest_ticks_cpu_ns) was at most
-as slow there as the last one of the list. "ours_in_all" counts the ticks that were late because of
-their own computing in all runs. --short: a few seconds each; writes nothing.
+tick the smallest one counts. "ours_in_all" counts the ticks that computed for more than a quarter of
+the period in all runs; no other tick can be late in all of them because of its own computing.
+--short: a few seconds each; writes nothing.
 """
 
+import array
 import concurrent.futures
 import json
 import os
@@ -37,31 +38,28 @@ SHORT_MINUTES = 0.1
 RESULTS = pathlib.Path(__file__).parent / "results" / "soak"
 
 
-def worst_repeated_cpu_ns(runs):
-    lists = [dict(map(tuple, run["slowest_ticks_cpu_ns"])) for run in runs]
-    least = [min(times.values()) for times in lists]
-    worst = min(least)
-    for tick in set().union(*lists):
-        worst = max(worst, min(times.get(tick, last) for times, last in zip(lists, least)))
-    return worst
+def worst_repeated_cpu_ns(times):
+    return max(map(min, *times))
 
 
-def ours_in_all(runs):
-    ours = [{late["tick"] for late in run["first_late_ticks"] if late["cause"] in ("ours", "device")}
-            for run in runs]
-    return len(set.intersection(*ours))
+def ours_in_all(times, rate_Hz):
+    """A late tick counts as ours only if it computed for more than a quarter of the period."""
+    quarter_ns = 0.25e9 / rate_Hz
+    return sum(shortest_ns > quarter_ns for shortest_ns in map(min, *times))
 
 
 def soak(palpate, counter, scene, rate_Hz, minutes, folder):
     environment = dict(os.environ, LD_PRELOAD=str(pathlib.Path(counter).resolve()))
     done = subprocess.run(
-        [palpate, "soak", scene, "--minutes", str(minutes), "--rate", str(rate_Hz), "--out", folder],
+        [palpate, "soak", scene, "--minutes", str(minutes), "--rate", str(rate_Hz), "--out", folder,
+         "--cpu-times"],
         env=environment, capture_output=True, text=True, check=True)
     print(done.stdout, done.stderr, sep="", flush=True)
     counts = re.search(r"haptic thread: (\d+) allocations, (\d+) releases, (\d+) locks", done.stderr)
     run = json.loads(pathlib.Path(folder, "soak.json").read_text())
+    times = array.array("I", pathlib.Path(folder, "cpu_ns.u32").read_bytes())
     run["allocations"], run["releases"], run["locks"] = map(int, counts.groups())
-    return run
+    return run, times
 
 
 def measure(name, programs, folder, is_short):
@@ -76,15 +74,15 @@ def measure(name, programs, folder, is_short):
         for out in outs:
             jobs.append(pool.submit(soak, palpate, counter, scene, rate_Hz, length, out))
             time.sleep(APART_S)
-        runs = [job.result() for job in jobs]
-    result = {"minutes": length, "worst_repeated_cpu_ns": worst_repeated_cpu_ns(runs),
-              "ours_in_all": ours_in_all(runs), "runs": runs}
+        runs, times = zip(*(job.result() for job in jobs))
+    result = {"minutes": length, "worst_repeated_cpu_ns": worst_repeated_cpu_ns(times),
+              "ours_in_all": ours_in_all(times, rate_Hz), "runs": runs}
     share = 1e-9 * result["worst_repeated_cpu_ns"] * rate_Hz
     print(f"{name}: worst CPU time of a tick in all runs {result['worst_repeated_cpu_ns']} ns, "
           f"{100 * share:.2f} % of the period; late in all because of their computing: "
           f"{result['ours_in_all']}\n", flush=True)
     for run in runs:
-        del run["slowest_ticks_cpu_ns"], run["first_late_ticks"]
+        del run["first_late_ticks"]
         for times in run["tick_times"].values():
             if isinstance(times, dict):
                 times.pop("buckets", None)

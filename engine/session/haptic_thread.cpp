@@ -73,7 +73,7 @@ void HapticThread::run() {
   begin_.wait(false, std::memory_order_acquire);
   const double dt_s = 1.0 / settings_.rate_Hz;
   const double period_ns = static_cast<double>(kNanosecondsPerSecond) * dt_s;
-  meter_.start();
+  meter_.start(settings_.cpu_times_ns);
   const std::int64_t start_ns = monotonic_ns();
   std::int64_t period = 0;
   for (std::uint64_t n = 0; settings_.max_ticks == 0 || n < settings_.max_ticks; ++n) {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include "engine/session/haptic_session.h"
@@ -20,6 +21,8 @@ struct HapticThreadSettings {
   double rate_Hz = 1000.0;      // at least 1: a tick is at most kLongestTick_s long
   std::uint64_t max_ticks = 0;  // 0: until stop()
   std::optional<int> cpu = {};  // the CPU on which the thread stays, >= 0
+  // Receives the CPU times of the first ticks, ns; must outlive the thread.
+  std::span<std::uint32_t> cpu_times_ns = {};
 };
 
 // The haptic thread. It wakes at the absolute times start + k / rate, so that a late tick does not

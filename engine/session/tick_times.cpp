@@ -50,33 +50,6 @@ std::int64_t TimeHistogram::percentile_ns(double share) const noexcept {
   return largest_ns_;
 }
 
-namespace {
-
-bool is_slower(const SlowTick& a, const SlowTick& b) {
-  return a.cpu_ns != b.cpu_ns ? a.cpu_ns > b.cpu_ns : a.tick < b.tick;
-}
-
-}  // namespace
-
-void SlowestTicks::add(const SlowTick& tick) noexcept {
-  const auto begin = heap_.begin();
-  if (count_ < kMost) {
-    heap_[count_++] = tick;
-    std::push_heap(begin, begin + static_cast<std::ptrdiff_t>(count_), is_slower);
-    return;
-  }
-  if (!is_slower(tick, heap_.front())) return;
-  std::pop_heap(begin, heap_.end(), is_slower);
-  heap_.back() = tick;
-  std::push_heap(begin, heap_.end(), is_slower);
-}
-
-std::vector<SlowTick> SlowestTicks::sorted() const {
-  std::vector<SlowTick> ticks(heap_.begin(), heap_.begin() + static_cast<std::ptrdiff_t>(count_));
-  std::sort(ticks.begin(), ticks.end(), is_slower);
-  return ticks;
-}
-
 std::uint64_t TickTimes::all_late_ticks() const noexcept {
   return std::accumulate(late_ticks.begin(), late_ticks.end(), std::uint64_t{0});
 }
@@ -146,7 +119,11 @@ bool TickMeter::end(std::int64_t loop_ns, std::int64_t delay_ns,
   times_.cpu.add(cost_.cpu_ns);
   times_.step.add(loop_ns);
   times_.delay.add(delay_ns);
-  times_.slowest.add({ticks_, cost_.cpu_ns});
+  if (ticks_ < cpu_times_ns_.size()) {
+    constexpr std::int64_t kMost_ns = std::numeric_limits<std::uint32_t>::max();
+    cpu_times_ns_[ticks_] =
+        static_cast<std::uint32_t>(std::clamp<std::int64_t>(cost_.cpu_ns, 0, kMost_ns));
+  }
   if (is_late) times_.add_late({ticks_, cost_});
   ++ticks_;
   return is_late;

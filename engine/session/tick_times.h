@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
-#include <vector>
 
 namespace palpate {
 
@@ -62,25 +61,6 @@ struct TickCost {
 // The cause with the largest part in the delay.
 LateCause cause_of(const TickCost& cost) noexcept;
 
-struct SlowTick {
-  std::uint64_t tick = 0;
-  std::int64_t cpu_ns = 0;
-};
-
-// Keeps the ticks with the largest CPU times.
-class SlowestTicks {
- public:
-  static constexpr std::size_t kMost = 4096;
-
-  void add(const SlowTick& tick) noexcept;
-  // Slowest first; equal times in the order of the ticks. Allocates.
-  std::vector<SlowTick> sorted() const;
-
- private:
-  std::array<SlowTick, kMost> heap_{};  // the fastest one first
-  std::size_t count_ = 0;
-};
-
 struct LateTick {
   std::uint64_t tick = 0;
   TickCost cost;
@@ -110,7 +90,6 @@ struct TickTimes {
   TimeHistogram step;    // the loop's part of wall
   TimeHistogram delay;   // from reading the device to its command
   std::array<std::uint64_t, kLateCauseNames.size()> late_ticks{};  // by cause
-  SlowestTicks slowest;
   LateTickLog late_log;
   TickCost longest;              // of the late tick that took the longest after its due time
   std::int64_t faults = 0;       // page faults of the thread
@@ -133,8 +112,12 @@ class ThreadUsage {
 // Measures the ticks of one thread, in less than 1 us each. One thread owns an object.
 class TickMeter {
  public:
-  // Call it on the thread that is measured, before the first tick.
-  void start() noexcept { usage_ = ThreadUsage::now(); }
+  // Call it on the thread that is measured, before the first tick. cpu_ns: receives the CPU times
+  // of as many ticks as it has room for, at most 4.2 s each.
+  void start(std::span<std::uint32_t> cpu_ns = {}) noexcept {
+    cpu_times_ns_ = cpu_ns;
+    usage_ = ThreadUsage::now();
+  }
   // Call it at the begin of a tick. Returns the time, which is the start of the tick. due_ns: on
   // the monotonic clock.
   std::int64_t begin(std::int64_t due_ns) noexcept;
@@ -150,6 +133,7 @@ class TickMeter {
   void read_usage() noexcept;
 
   TickTimes times_;
+  std::span<std::uint32_t> cpu_times_ns_;
   TickCost cost_;
   ThreadUsage::Reading usage_;  // when the faults were last read
   std::uint64_t ticks_ = 0;
