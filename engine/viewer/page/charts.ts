@@ -70,7 +70,7 @@ export class Charts {
       height: kHeight_px,
       legend: { show: false },
       cursor: { show: false },
-      padding: [8, 8, 0, 0],
+      padding: [8, 14, 0, 0],
       scales: {
         x: { time: false, range: [-kSpan_s, 0] },
         y: { range: range ?? ((_, low, high) => [Math.min(0, low ?? 0),

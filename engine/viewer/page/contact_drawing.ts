@@ -9,7 +9,7 @@ import type { Palette } from "./theme.ts";
 
 const kLeastBall_px = 6;
 const kRailGap_px = 4;
-const kForceArrow = 0.1; // length of 1 N, as a share of the radius of the scene
+const kForceArrow = 0.06; // length of 1 N, as a share of the radius of the scene
 const kLongestForce = 0.9; // longest arrow, as a share of the same radius
 const kNormal_px = 30;
 

@@ -1,8 +1,8 @@
 // The felt bodies in sun and soft shadow, on a floor with a grid in the device frame.
 
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, Group, LineBasicMaterial,
-  LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Quaternion,
+  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, Fog, Group,
+  LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Quaternion,
   Scene, ShadowMaterial, Vector3, WireframeGeometry,
 } from "three";
 
@@ -33,21 +33,21 @@ export class FeltScene {
   private readonly felt = new Group(); // in the scene frame
   private readonly ground = new Group();
   private bodies: DrawnBody[] = [];
-  private readonly material = new MeshLambertMaterial({ flatShading: true, side: 2 });
-  private readonly flatMaterial = new MeshBasicMaterial({ color: 0xffffff, side: 2 });
-  private readonly edgeMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.55 });
+  private readonly material = new MeshLambertMaterial({ flatShading: true, side: 2, fog: false });
+  private readonly flatMaterial = new MeshBasicMaterial({ color: 0xffffff, side: 2, fog: false });
+  private readonly edgeMaterial = new LineBasicMaterial({ transparent: true, opacity: 0.55, fog: false });
   private readonly gridMaterial = new LineBasicMaterial();
   private readonly shadowMaterial = new ShadowMaterial();
-  private readonly sun = new DirectionalLight(0xffffff, 2.1);
-  private readonly sky = new AmbientLight(0xffffff, 1.5);
+  private readonly sun = new DirectionalLight(0xfff4e0, 2.3);
+  private readonly sky = new AmbientLight(0xe8f0ff, 1.35);
   private grid: LineSegments | null = null;
   private floor: Mesh | null = null;
   private showsTriangles = false;
   private isFlat = false;
   private readonly low = new Vector3();
   private readonly high = new Vector3();
-  private lies = 0; // how far the floor lies below the centre of the scene
-  private lastPose = new Matrix4();
+  private readonly haze = new Fog(0);
+  private lastPose: Matrix4 | null = null;
   private colours: Palette | null = null;
 
   constructor() {
@@ -83,9 +83,10 @@ export class FeltScene {
       this.felt.add(mesh);
       return { index: body, mesh, edges: null };
     });
-    this.lies = hello.device.sensors === 2 ? 0.5 * (this.high.z - this.low.z) : this.radius_m;
+    this.scene.fog = hello.device.sensors === 2 ? null : this.haze;
     this.makeGround();
     this.placeSun();
+    this.lastPose = null;
     this.setFlat(this.isFlat);
     this.setTriangles(this.showsTriangles);
   }
@@ -97,6 +98,7 @@ export class FeltScene {
     this.gridMaterial.color.set(colours.grid);
     this.shadowMaterial.opacity = colours.shadow;
     this.scene.background = this.isFlat ? new Color(0) : new Color(colours.background);
+    this.haze.color.set(colours.background);
   }
 
   setTriangles(isShown: boolean): void {
@@ -122,19 +124,30 @@ export class FeltScene {
 
   // Places the bodies. Returns true if a shadow has changed.
   place(display: Display, poses: readonly BodyPose[]): boolean {
-    let moved = !this.lastPose.equals(display.T_display_scene) || poses.length > 0;
-    this.lastPose.copy(display.T_display_scene);
+    const moved = !this.lastPose?.equals(display.T_display_scene) || poses.length > 0;
+    this.lastPose = display.T_display_scene.clone();
     this.felt.matrix.copy(display.T_display_scene);
     for (const pose of poses) this.placeBody(pose);
     this.felt.updateMatrixWorld(true);
     const centre = this.centre_scene_m.applyMatrix4(display.T_display_scene);
     this.ground.position.copy(display.T_display_device);
-    this.ground.position.z = centre.z - this.lies;
+    this.ground.position.z = this.lowest_m(display);
     if (moved) {
       this.sun.target.position.copy(centre);
       this.sun.position.copy(centre).addScaledVector(kSun, 3 * this.radius_m);
     }
     return moved;
+  }
+
+  // The floor fades beyond this distance from the camera, before its lines are finer than pixels.
+  setHaze(distance_m: number): void {
+    this.haze.near = distance_m;
+    this.haze.far = distance_m + 5 * this.radius_m;
+  }
+
+  // The height of the floor: the lowest corner of the scene's bounds.
+  private lowest_m(display: Display): number {
+    return new Box3(this.low, this.high).applyMatrix4(display.T_display_scene).min.z;
   }
 
   private placeBody(pose: BodyPose): void {
@@ -154,8 +167,8 @@ export class FeltScene {
     shadow.near = 0.1 * this.radius_m;
     shadow.far = 7 * this.radius_m;
     shadow.updateProjectionMatrix();
-    this.sun.shadow.normalBias = 0.004 * this.radius_m;
-    this.sun.shadow.bias = -0.0005;
+    this.sun.shadow.normalBias = 0.012 * this.radius_m;
+    this.sun.shadow.bias = -0.001;
   }
 
   private makeGround(): void {
@@ -175,7 +188,7 @@ export class FeltScene {
     this.floor = new Mesh(new PlaneGeometry(2 * half * step_m, 2 * half * step_m),
                           this.shadowMaterial);
     this.floor.receiveShadow = true;
-    this.floor.position.z = 0.002 * this.radius_m; // the shadow lies on the lines
+    this.floor.position.z = 0.002 * this.radius_m; // so that the shadow covers the lines
     this.ground.add(this.grid, this.floor);
   }
 

@@ -20,8 +20,8 @@ export class MarkPaint {
 
   constructor(isShaded: boolean, hasHiddenPart = true) {
     const make = (): MarkMaterial =>
-      isShaded ? new MeshLambertMaterial({ transparent: true })
-               : new MeshBasicMaterial({ transparent: true });
+      isShaded ? new MeshLambertMaterial({ transparent: true, fog: false })
+               : new MeshBasicMaterial({ transparent: true, fog: false });
     this.seen = make();
     this.hidden = make();
     this.hidden.depthFunc = GreaterDepth;

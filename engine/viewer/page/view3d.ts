@@ -11,7 +11,7 @@ import { palette } from "./theme.ts";
 import { ViewCamera } from "./view_camera.ts";
 
 const kMostPixels = 2; // per CSS pixel
-const kMargin = 1.2; // between the scene and the border, as a factor of its radius
+const kMargin = 1.12; // between the scene and the border, as a factor of its radius
 const kCameraMargin = 1.5; // the same for the camera metaphor, where the scene is off the middle
 
 // Software drawing is slow: it does without antialiasing and finer pixels.
@@ -155,6 +155,7 @@ export class View3d {
     this.touch = touchOf(record, this.display, hasTarget ? target_m : null);
     if (this.needsFit) this.fitNow(this.display);
     this.drawContact(this.touch);
+    this.felt.setHaze(this.view.distance_m);
     this.renderer.render(this.felt.scene, this.view.camera);
     ++this.pictures;
     return true;

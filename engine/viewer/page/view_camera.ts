@@ -67,6 +67,11 @@ export class ViewCamera {
     return (2 * ahead * Math.tan(0.5 * kFieldOfView_deg * kRadians)) / this.height_px;
   }
 
+  // From the camera to the middle of what is shown.
+  get distance_m(): number {
+    return this.camera.position.distanceTo(this.centre_m);
+  }
+
   // Unit vectors of the view, in the display frame.
   get ahead(): Vector3 {
     return this.camera.getWorldDirection(new Vector3());
