@@ -49,6 +49,7 @@ class Page {
   private hand: Hand | null = null;
   private hello: Hello | null = null;
   private state: State | null = null;
+  private lastStatus: Status | null = null;
   private isInControl = false;
 
   constructor() {
@@ -71,7 +72,8 @@ class Page {
     this.listen();
     publishProbe({
       view: this.view, charts: this.charts, settings: this.settings,
-      state: () => this.state, hello: () => this.hello, isLive: () => this.status.isLive,
+      state: () => this.state, hello: () => this.hello, status: () => this.lastStatus,
+      isLive: () => this.status.isLive,
     });
     this.buttons.enable(false);
     if (this.connection) this.connection.open();
@@ -193,6 +195,7 @@ class Page {
   }
 
   private receiveStatus(status: Status): void {
+    this.lastStatus = status;
     this.status.showStatus(status);
     this.settings.show(status.settings);
     if (status.control !== this.isInControl) this.showControl(status.control);

@@ -106,7 +106,7 @@ export class Arrow {
   }
 }
 
-// A dashed line from a to b.
+// A dashed line from a to b, which begins and ends with a dash.
 export class DashedRod {
   readonly object = new Group();
   private readonly parts: InstancedMesh[];
@@ -128,11 +128,11 @@ export class DashedRod {
     if (!this.object.visible) return;
     along.divideScalar(length_m);
     const turned = new Quaternion().setFromUnitVectors(kUpward, along);
-    const period_m = Math.max(1.8 * dash_m, length_m / kMostDashes);
-    const count = Math.min(kMostDashes, Math.ceil(length_m / period_m));
+    const count = Math.min(kMostDashes, Math.max(1, Math.round((length_m / dash_m + 0.8) / 1.8)));
+    const dashOfAll_m = length_m / (1.8 * count - 0.8); // gaps are 0.8 dashes
     for (let i = 0; i < count; ++i) {
-      const begin_m = i * period_m;
-      const end_m = Math.min(length_m, begin_m + dash_m);
+      const begin_m = 1.8 * dashOfAll_m * i;
+      const end_m = begin_m + dashOfAll_m;
       const middle = a.clone().addScaledVector(along, 0.5 * (begin_m + end_m));
       const size = new Vector3(radius_m, end_m - begin_m, radius_m);
       const placed = new Matrix4().compose(middle, turned, size);

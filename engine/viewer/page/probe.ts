@@ -4,7 +4,7 @@ import { Vector3 } from "three";
 
 import type { Charts } from "./charts.ts";
 import type { SettingControls } from "./controls.ts";
-import type { Hello, State } from "./protocol.ts";
+import type { Hello, State, Status } from "./protocol.ts";
 import type { View3d } from "./view3d.ts";
 
 export interface ProbeParts {
@@ -13,6 +13,7 @@ export interface ProbeParts {
   settings: SettingControls;
   state(): State | null;
   hello(): Hello | null;
+  status(): Status | null;
   isLive(): boolean;
 }
 
@@ -22,8 +23,11 @@ export function publishProbe(parts: ProbeParts): void {
   const probe = {
     state: () => parts.state(),
     hello: () => parts.hello(),
+    status: () => parts.status(), // the newest
     isLive: () => parts.isLive(),
     pictures: () => view?.pictures ?? 0,
+    drawnTick: () => view?.drawnTick ?? -1,
+    bodies: () => view?.bodies ?? 0,
     isSoftware: () => view?.isSoftware ?? false,
     setting: (name: string) => parts.settings.valueOf(name),
     points: (line: "angle_deg" | "force_N" | "fullForce_N") => parts.charts.points([line]),

@@ -39,6 +39,8 @@ export class View3d {
   private isFlat = false;
   readonly isSoftware: boolean;
   pictures = 0; // drawn so far
+  drawnTick = -1; // of the newest picture
+  bodies = 0; // that were loaded
 
   // Throws an Error if the browser has no WebGL.
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -63,7 +65,9 @@ export class View3d {
   // Replaces the drawn bodies by those of /felt.glb.
   load(glb: ArrayBuffer): void {
     if (!this.hello) return;
-    this.felt.load(readFeltGlb(glb), this.hello);
+    const bodies = readFeltGlb(glb);
+    this.felt.load(bodies, this.hello);
+    this.bodies = bodies.length;
     this.renderer.shadowMap.needsUpdate = true;
     this.needsFit = true;
     this.isDirty = true;
@@ -158,6 +162,7 @@ export class View3d {
     this.felt.setHaze(this.view.distance_m);
     this.renderer.render(this.felt.scene, this.view.camera);
     ++this.pictures;
+    this.drawnTick = record.tick;
     return true;
   }
 
