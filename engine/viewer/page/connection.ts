@@ -60,6 +60,11 @@ export class Connection {
     return this.isGreeted;
   }
 
+  // The sequence of the last pointer message; 0: none.
+  get lastPointer(): number {
+    return this.nextPointer - 1;
+  }
+
   // Sends a request. The answer of a connection that ends is a problem.
   request(request: Request): Promise<Answer> {
     const id = this.nextId++;

@@ -73,7 +73,7 @@ class Page {
     publishProbe({
       view: this.view, charts: this.charts, settings: this.settings,
       state: () => this.state, hello: () => this.hello, status: () => this.lastStatus,
-      isLive: () => this.status.isLive,
+      isLive: () => this.status.isLive, sent: () => this.connection?.lastPointer ?? 0,
     });
     this.buttons.enable(false);
     if (this.connection) this.connection.open();

@@ -15,6 +15,7 @@ export interface ProbeParts {
   hello(): Hello | null;
   status(): Status | null;
   isLive(): boolean;
+  sent(): number;
 }
 
 // Publishes the probe as `palpate` of the window.
@@ -25,6 +26,8 @@ export function publishProbe(parts: ProbeParts): void {
     hello: () => parts.hello(),
     status: () => parts.status(), // the newest
     isLive: () => parts.isLive(),
+    sent: () => parts.sent(), // sequence of the last pointer message; 0: none
+    metresPerPixel: () => view?.camera.metresPerPixel(new Vector3()) ?? NaN,
     pictures: () => view?.pictures ?? 0,
     drawnTick: () => view?.drawnTick ?? -1,
     bodies: () => view?.bodies ?? 0,
