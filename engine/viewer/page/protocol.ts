@@ -1,6 +1,6 @@
 // The messages between the page and the server, version 1. All numbers are little-endian.
 
-import { decodeRecord, kRecordBytes, type TickRecord } from "./record.ts";
+import { decodeRecord, recordBytes, type TickRecord } from "./record.ts";
 
 export const kVersion = 1;
 const kKindState = 1;
@@ -149,12 +149,12 @@ function body(view: DataView, offset: number): BodyPose {
 
 function decodeState(view: DataView): State {
   const flags = view.getUint32(4, true);
-  const recordBytes = view.getUint32(40, true);
+  const size = view.getUint32(40, true);
   const bodyCount = view.getUint32(44, true);
-  const expected = kStateHeaderBytes + recordBytes + bodyCount * kBodyBytes;
-  if (recordBytes !== kRecordBytes || view.byteLength !== expected) {
-    throw new Error(`state: has ${view.byteLength} bytes, a record of ${recordBytes}; ` +
-                    `expected a record of ${kRecordBytes}`);
+  const expected = kStateHeaderBytes + size + bodyCount * kBodyBytes;
+  if (size !== recordBytes || view.byteLength !== expected) {
+    throw new Error(`state: has ${view.byteLength} bytes, a record of ${size}; ` +
+                    `expected a record of ${recordBytes}`);
   }
   const bodies: BodyPose[] = [];
   for (let i = 0; i < bodyCount; ++i) {

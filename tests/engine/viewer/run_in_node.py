@@ -53,7 +53,8 @@ def browser(node, project, build, test, programs):
     require(build / "page/page.js", "the page")
     return run(node, "--test", test, env={
         **os.environ, "PALPATE_CHROMIUM": chromium, "PALPATE_DRIVER": str(packages),
-        "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(programs)})
+        "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(programs),
+        "PALPATE_PICTURES": str(build / "page_pictures")})
 
 
 def main():

@@ -12,7 +12,7 @@ import { readFeltGlb } from "@page/felt_glb.ts";
 import { History, kBucket_s, kSpan_s } from "@page/history.ts";
 import { Keys } from "@page/keys.ts";
 import { decodeBinary, encodePointer, type Ticks } from "@page/protocol.ts";
-import { decodeRecord, kRecordBytes, type TickRecord } from "@page/record.ts";
+import { decodeRecord, recordBytes, type TickRecord } from "@page/record.ts";
 import { faultsInWords } from "@page/words.ts";
 import { ViewCamera } from "@page/view_camera.ts";
 
@@ -31,7 +31,7 @@ const seed = Number(process.env["PALPATE_SEED"] ?? 1 + Math.floor(Math.random() 
 console.log(`PALPATE_SEED=${seed}`);
 
 function record(): TickRecord {
-  return decodeRecord(new DataView(new ArrayBuffer(kRecordBytes)), 0);
+  return decodeRecord(new DataView(new ArrayBuffer(recordBytes)), 0);
 }
 
 function ticks(base_s: number, rows: { t: number; angle: number; force: number }[]): Ticks {
@@ -45,18 +45,18 @@ function ticks(base_s: number, rows: { t: number; angle: number; force: number }
 }
 
 test("a state is decoded at the offsets of its layout", () => {
-  const bytes = new ArrayBuffer(48 + kRecordBytes + 64);
+  const bytes = new ArrayBuffer(48 + recordBytes + 64);
   const view = new DataView(bytes);
   view.setUint16(0, 1, true);
   view.setUint16(2, 1, true);
   view.setUint32(4, 5, true);
   view.setBigUint64(8, 12345678901n, true);
   [0.1, -0.2, 0.3].forEach((v, i) => view.setFloat64(16 + 8 * i, v, true));
-  view.setUint32(40, kRecordBytes, true);
+  view.setUint32(40, recordBytes, true);
   view.setUint32(44, 1, true);
   view.setBigUint64(48, 99n, true); // the first field of the record: tick
-  view.setUint32(48 + kRecordBytes, 7, true);
-  [1, 0, 0, 0, 4, 5, 6].forEach((v, i) => view.setFloat64(48 + kRecordBytes + 8 + 8 * i, v, true));
+  view.setUint32(48 + recordBytes, 7, true);
+  [1, 0, 0, 0, 4, 5, 6].forEach((v, i) => view.setFloat64(48 + recordBytes + 8 + 8 * i, v, true));
   const message = decodeBinary(bytes);
   assert.equal(message.kind, "state");
   if (message.kind !== "state") return;
