@@ -5,6 +5,8 @@ run_in_node.py types PROJECT BUILD              checks the types of the page
 run_in_node.py logic PROJECT BUILD TEST.ts      bundles the test with the page, and runs it
 run_in_node.py browser PROJECT BUILD TEST.mjs [PROGRAM...]
                                                 runs a test that opens the page in Chromium
+run_in_node.py pictures PROJECT BUILD FOLDER PROGRAM
+                                                makes the pictures of the README in the folder
 
 Exits with 77, and says why, if Node, the packages, the bundled page or Chromium is missing: setup.sh
 fetches them for `./run.sh view` and for .ci/run.
@@ -47,11 +49,11 @@ def logic(node, work, test):
         return failed or run(node, "--test", bundle)
 
 
-def browser(node, project, build, test, programs):
+def browser(node, project, build, script, programs, is_test=True):
     chromium = find_browser() or skip("no Chromium is installed")
     packages = require(project / "build/browser_packages/node_modules/playwright-core", "the driver")
     require(build / "page/page.js", "the page")
-    return run(node, "--test", test, env={
+    return run(node, *(["--test"] if is_test else []), script, env={
         **os.environ, "PALPATE_CHROMIUM": chromium, "PALPATE_DRIVER": str(packages),
         "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(programs),
         "PALPATE_PICTURES": str(build / "page_pictures")})
@@ -64,6 +66,10 @@ def main():
     work = build / "page_build"
     if kind == "browser":
         return browser(node, project, build, rest[0], rest[1:])
+    if kind == "pictures":
+        os.environ["PALPATE_FOLDER"] = rest[0]
+        script = pathlib.Path(__file__).resolve().parent / "browser/make_pictures.mjs"
+        return browser(node, project, build, script, rest[1:], is_test=False)
     require(work / "node_modules/three", "the bundled page")
     require(work / "record.ts", "the bundled page")
     if kind == "types":

@@ -1,7 +1,7 @@
 // Serves the page of `palpate view` with states that a test sets, without a haptic thread, and says
 // which rays of a camera hit the scene.
 //
-//   serve_records SCENE SENSORS
+//   page_of_records SCENE SENSORS
 //
 // Prints the address of the page. Then reads commands from stdin, one JSON object a line, and
 // answers each with the line "done":
@@ -185,7 +185,7 @@ void write_hits(const ContactWorld& world, const json& rays) {
 int serve(const std::string& path, int sensors) {
   const auto page = embedded_page();
   if (!page) {
-    std::cerr << "serve_records: built without the page; ./run.sh view fetches what it needs\n";
+    std::cerr << "page_of_records: built without the page; ./run.sh view fetches what it needs\n";
     return 77;
   }
   const auto scene = Scene::load(path);
@@ -222,7 +222,7 @@ int serve(const std::string& path, int sensors) {
 
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::cerr << "usage: serve_records SCENE SENSORS\n";
+    std::cerr << "usage: page_of_records SCENE SENSORS\n";
     return 2;
   }
   return palpate::serve(argv[1], std::stoi(argv[2]));
