@@ -5,7 +5,9 @@ import {
   type ServerEvent, type State, type Status, type Ticks, type Vector3,
 } from "./protocol.ts";
 
-const kWrongToken = 4401; // close code of the server
+// Close codes of the server.
+const kWrongToken = 4401;
+const kTooManyPages = 1013;
 const kFirstDelay_ms = 250;
 const kLongestDelay_ms = 2000;
 const kTokenKey = "palpate-token";
@@ -14,6 +16,7 @@ export type ConnectionState =
   | "connecting" // for the first time
   | "live"
   | "lost" // the connection ended; the page tries again
+  | "full" // as many pages are open as the server admits; the page tries again
   | "new address" // the token is wrong: the server was restarted
   | "no token" // the page was opened without the address that the program printed
   | "wrong version"; // the server speaks another version; only a reload helps
@@ -142,7 +145,7 @@ export class Connection {
       this.events.changed("new address");
       return;
     }
-    this.events.changed("lost");
+    this.events.changed(code === kTooManyPages ? "full" : "lost");
     setTimeout(() => this.open(), this.delay_ms);
     this.delay_ms = Math.min(2 * this.delay_ms, kLongestDelay_ms);
   }

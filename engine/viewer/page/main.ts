@@ -108,6 +108,7 @@ class Page {
       triangles: (isShown: boolean) => {
         if (this.view) this.view.triangles = isShown;
       },
+      loadAll: () => void this.loadScene("felt.glb?full"),
       screenshot: () => void this.screenshot(),
       theme: () => {
         chooseTheme(chosenTheme() === "dark" ? "light" : "dark");
@@ -153,7 +154,8 @@ class Page {
       this.pointing = new Pointing(this.canvas, this.view, () => this.activeHand(),
                                    () => this.state?.record.device_m ?? null);
     }
-    void this.loadScene();
+    void this.loadScene("felt.glb");
+    this.buttons.showSimplified(scene.simplified);
     this.showControl(hello.control);
   }
 
@@ -170,12 +172,12 @@ class Page {
                                                                                        : null;
   }
 
-  private async loadScene(): Promise<void> {
+  private async loadScene(path: string): Promise<void> {
     const view = this.view;
     if (!view) return;
     try {
-      const answer = await fetch("felt.glb", { headers: { Authorization: `Bearer ${this.token}` } });
-      if (!answer.ok) throw new Error(`/felt.glb: the server answers ${answer.status}`);
+      const answer = await fetch(path, { headers: { Authorization: `Bearer ${this.token}` } });
+      if (!answer.ok) throw new Error(`/${path}: the server answers ${answer.status}`);
       view.load(await answer.arrayBuffer());
       element("scale").textContent = `grid ${length(view.gridStep_m)}`;
     } catch (problem) {

@@ -12,6 +12,7 @@ export interface Actions {
   fit(): void;
   zoom(factor: number): void;
   triangles(isShown: boolean): void;
+  loadAll(): void;
   screenshot(): void;
   theme(): void;
 }
@@ -33,6 +34,7 @@ export class PageButtons {
   private readonly rearmButton: HTMLButtonElement;
   private readonly takeButton: HTMLButtonElement;
   private readonly cameraButton: HTMLButtonElement;
+  private readonly allButton: HTMLButtonElement;
   private isInControl = false;
   private isTripped = false;
 
@@ -55,6 +57,8 @@ export class PageButtons {
     triangles.setAttribute("aria-pressed", "false");
     this.cameraButton.setAttribute("aria-pressed", "false");
     this.pauseButton.setAttribute("aria-pressed", "false");
+    this.allButton = this.add(view, "Load all triangles", "g", actions.loadAll);
+    this.allButton.hidden = true;
     this.add(view, "Nearer", "+", () => actions.zoom(kZoomStep));
     this.add(view, "Farther", "-", () => actions.zoom(1 / kZoomStep));
     this.add(view, "Picture", "p", actions.screenshot);
@@ -81,6 +85,11 @@ export class PageButtons {
 
   showPaused(isPaused: boolean): void {
     this.pauseButton.setAttribute("aria-pressed", String(isPaused));
+  }
+
+  // Offers all triangles if the scene was simplified.
+  showSimplified(isSimplified: boolean): void {
+    this.allButton.hidden = !isSimplified;
   }
 
   showCamera(isCamera: boolean): void {

@@ -10,6 +10,7 @@ const kConnectionWords: Record<ConnectionState, { short: string; notice: string 
   connecting: { short: "Connecting", notice: "" },
   live: { short: "Live", notice: "" },
   lost: { short: "Disconnected", notice: "The connection ended. Trying to reconnect\u2026" },
+  full: { short: "Waiting", notice: "Eight pages are open already. Trying again\u2026" },
   "new address": {
     short: "New address",
     notice: "The server was restarted, and its address is new. Open the address that palpate view printed.",

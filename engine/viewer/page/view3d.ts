@@ -69,9 +69,9 @@ export class View3d {
     if (!this.hello) return;
     const bodies = readFeltGlb(glb);
     this.felt.load(bodies, this.hello);
+    if (this.bodies === 0) this.needsFit = true;
     this.bodies = bodies.length;
     this.renderer.shadowMap.needsUpdate = true;
-    this.needsFit = true;
     this.isDirty = true;
   }
 
