@@ -23,6 +23,8 @@
 namespace palpate::test {
 namespace {
 
+using Texts = std::vector<std::string>;
+
 // A page with its token accepted.
 class Page : public WebSocketClient {
  public:
@@ -206,9 +208,9 @@ void expect_served(ServedModel& served) {
 
 TEST(ViewAttack, ForeignOriginIsRefused) {
   ServedModel served;
-  for (const std::string origin :
-       {"http://evil.example", "https://" + served.host, "null", "http://127.0.0.1:1",
-        "http://127.0.0.1", "http://" + served.host + ".evil.example", "file://"}) {
+  for (const std::string& origin :
+       Texts{"http://evil.example", "https://" + served.host, "null", "http://127.0.0.1:1",
+             "http://127.0.0.1", "http://" + served.host + ".evil.example", "file://"}) {
     EXPECT_EQ(status_of(answer_to(served.port,
                                   get_request("/", served.host, "Origin: " + origin + "\r\n"))),
               403)
@@ -224,11 +226,10 @@ TEST(ViewAttack, ForeignOriginIsRefused) {
 TEST(ViewAttack, ForeignHostIsRefused) {
   ServedModel served;
   const std::string port = ":" + std::to_string(served.port);
-  for (const std::string host :
-       {"evil.example" + port, "127.0.0.1.evil.example", "localhost.evil.example" + port,
-        std::string("evil@127.0.0.1"), std::string("0.0.0.0"), std::string("2130706433"),
-        std::string("127.0.0.1:"), std::string("127.0.0.1:80:80"), std::string("127.0.0.1, a"),
-        std::string("[::1"), std::string("")}) {
+  for (const std::string& host :
+       Texts{"evil.example" + port, "127.0.0.1.evil.example", "localhost.evil.example" + port,
+             "evil@127.0.0.1", "0.0.0.0", "2130706433", "127.0.0.1:", "127.0.0.1:80:80",
+             "127.0.0.1, a", "[::1", ""}) {
     EXPECT_EQ(status_of(answer_to(served.port, get_request("/", host))), 403) << host;
   }
   EXPECT_EQ(status_of(answer_to(served.port, "GET / HTTP/1.1\r\n\r\n")), 403);
@@ -240,8 +241,8 @@ TEST(ViewAttack, ForeignHostIsRefused) {
 
 TEST(ViewServer, AcceptsAForwardedPortAndAllowedHosts) {
   const ServedModel served({.allowed_hosts = {"Desk.example"}});
-  for (const std::string host : {"localhost:4000", "127.0.0.1:9", "[::1]:8080", "LOCALHOST",
-                                 "desk.example", "DESK.example:443"}) {
+  for (const std::string& host : Texts{"localhost:4000", "127.0.0.1:9", "[::1]:8080", "LOCALHOST",
+                                       "desk.example", "DESK.example:443"}) {
     EXPECT_EQ(status_of(answer_to(served.port, get_request("/", host))), 200) << host;
     const std::string answer =
         answer_to(served.port, get_request("/", host, "Origin: http://" + host + "\r\n"));
@@ -270,7 +271,7 @@ TEST(ViewAttack, WrongTokenIsRefused) {
   std::string wrong = served.token;
   wrong.back() = wrong.back() == '0' ? '1' : '0';
   for (const std::string& token :
-       {wrong, served.token.substr(1), served.token + "0", std::string()}) {
+       Texts{wrong, served.token.substr(1), served.token + "0", std::string()}) {
     WebSocketClient client(served.port);
     client.send_text(R"({"type":"token","token":")" + token + "\"}");
     EXPECT_EQ(client.read_to_close(), 4401) << token;
@@ -289,9 +290,9 @@ TEST(ViewAttack, WrongTokenIsRefused) {
 
 TEST(ViewAttack, TokenInAnAddressIsOfNoUse) {
   ServedModel served;
-  for (const std::string target :
-       {"/felt.glb?token=" + served.token, "/felt.glb?" + served.token, "/?" + served.token,
-        "/" + served.token, "/felt.glb?full&" + served.token, "/live?token=" + served.token}) {
+  for (const std::string& target :
+       Texts{"/felt.glb?token=" + served.token, "/felt.glb?" + served.token, "/?" + served.token,
+             "/" + served.token, "/felt.glb?full&" + served.token, "/live?token=" + served.token}) {
     EXPECT_EQ(status_of(answer_to(served.port, get_request(target, served.host))), 404) << target;
     EXPECT_EQ(status_of(answer_to(served.port, WebSocketClient::handshake(
                                                    served.host, "http://" + served.host, target))),
@@ -321,11 +322,11 @@ TEST(ViewAttack, WatcherChangesNothing) {
 
 TEST(ViewAttack, TraversalFindsNothing) {
   ServedModel served;
-  for (const std::string target :
-       {"/../etc/passwd", "/..%2fetc%2fpasswd", "/%2e%2e/%2e%2e/etc/passwd", "//etc/passwd",
-        "/./page.js", "/page.js/", "/page.js%00", "/page.js?", "/PAGE.JS", "/page.js#x",
-        "/..\\..\\etc\\passwd", "/page.js/../felt.glb", "http://127.0.0.1/page.js", "*",
-        "/index.html", "/felt.glb?full=1", "/favicon.ico", "/live/", "/.git/config"}) {
+  for (const std::string& target :
+       Texts{"/../etc/passwd", "/..%2fetc%2fpasswd", "/%2e%2e/%2e%2e/etc/passwd", "//etc/passwd",
+             "/./page.js", "/page.js/", "/page.js%00", "/page.js?", "/PAGE.JS", "/page.js#x",
+             "/..\\..\\etc\\passwd", "/page.js/../felt.glb", "http://127.0.0.1/page.js", "*",
+             "/index.html", "/felt.glb?full=1", "/favicon.ico", "/live/", "/.git/config"}) {
     const int status = status_of(answer_to(served.port, get_request(target, served.host)));
     EXPECT_TRUE(status == 404 || status == 400) << target << " " << status;
   }
@@ -334,7 +335,8 @@ TEST(ViewAttack, TraversalFindsNothing) {
 
 TEST(ViewAttack, OtherMethodsAreRefused) {
   ServedModel served;
-  for (const std::string method : {"POST", "PUT", "DELETE", "HEAD", "OPTIONS", "TRACE", "BREW"}) {
+  for (const std::string& method :
+       Texts{"POST", "PUT", "DELETE", "HEAD", "OPTIONS", "TRACE", "BREW"}) {
     const std::string answer =
         answer_to(served.port, method + " / HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n");
     EXPECT_EQ(status_of(answer), 405) << method << answer;
@@ -403,11 +405,11 @@ TEST(ViewAttack, EndlessPingsAreClosed) {
 
 TEST(ViewAttack, BrokenFramesAreClosed) {
   ServedModel served;
-  for (const std::string frame :
-       {std::string("\x81\x02hi", 4),  // without a mask
-        WebSocketClient::frame(3, "reserved"), WebSocketClient::frame(0, "no beginning"),
-        WebSocketClient::frame(1, "\xff\xfe"),  // not UTF-8
-        std::string("\xf1\x80\0\0\0\0", 6)}) {  // reserved bits
+  for (const std::string& frame :
+       Texts{std::string("\x81\x02hi", 4),  // without a mask
+             WebSocketClient::frame(3, "reserved"), WebSocketClient::frame(0, "no beginning"),
+             WebSocketClient::frame(1, "\xff\xfe"),  // not UTF-8
+             std::string("\xf1\x80\0\0\0\0", 6)}) {  // reserved bits
     Page page(served);
     page.raw.send(frame);
     EXPECT_NE(page.read_to_close(), 1000);
@@ -536,8 +538,8 @@ TEST(ViewAttack, BrokenPointersAreRefused) {
   other_kind[0] = 17;
   std::string other_version = good;
   other_version[2] = 2;
-  for (const std::string& bytes : {good.substr(1), good + "x", std::string(), other_kind,
-                                   other_version, pointer_bytes(0, 0.0)}) {
+  for (const std::string& bytes : Texts{good.substr(1), good + "x", std::string(), other_kind,
+                                        other_version, pointer_bytes(0, 0.0)}) {
     Page page(served);
     page.send_binary(bytes);
     EXPECT_EQ(page.read_to_close(), 1008);
