@@ -57,15 +57,18 @@ std::string with_control(std::string object, bool in_control) {
 }
 
 Error listen_error(const ServerSettings& settings, const boost::system::error_code& error) {
-  const bool is_taken = error == boost::system::errc::address_in_use;
+  namespace errc = boost::system::errc;
   const std::string port = std::to_string(settings.port);
-  std::string hint;
-  if (is_taken) hint = "choose another port, or 0 for any";
-  if (error == boost::system::errc::permission_denied) hint = "ports below 1024 are for root";
-  return {ErrorCode::kInvalidArgument, "", "port",
-          "cannot listen at " + settings.address + " port " + port + ": " + error.message() +
-              "; expected a free port of this machine",
-          hint};
+  if (error == errc::address_in_use) {
+    return invalid_argument("port", "is " + port + ", which is taken; expected a free port",
+                            "choose another one, or 0 for any");
+  }
+  if (error == errc::permission_denied) {
+    return invalid_argument("port", "is " + port + ", which only root may use",
+                            "choose one from 1024 on, or 0 for any");
+  }
+  return invalid_argument("listen", "is \"" + settings.address + "\": " + error.message() +
+                                        "; expected an IP address of this machine");
 }
 
 }  // namespace

@@ -258,7 +258,7 @@ std::optional<std::string> ViewSession::carry_out(const PageRequest& request) {
   switch (request.kind) {
     case PageRequest::Kind::kSet:
       if (const auto error = page_settings_.set(request.name, request.value)) {
-        return error->to_string();
+        return error->element + ": " + error->problem;  // hints are for command lines
       }
       return std::nullopt;
     case PageRequest::Kind::kRearm:
