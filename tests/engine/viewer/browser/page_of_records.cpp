@@ -9,8 +9,9 @@
 //        shows a record with these fields (names of TickRecord) and moving bodies
 //   {"rays": {"view": [16], "projection": [16], "display": {"q": ..., "o": ...}, "width": w,
 //             "height": h, "file": F}}
-//        writes to F, as bytes of 0 and 1, row by row, which rays through the middles of pixels hit a
-//        surface. The matrices are column by column, as WebGL has them; display is T_display_scene.
+//        writes to F, as bytes of 0 and 1, row by row, which rays through the middles of pixels hit
+//        a surface. The matrices are column by column, as WebGL has them; display is
+//        T_display_scene.
 
 #include <array>
 #include <cstring>
@@ -35,12 +36,13 @@ namespace {
 using nlohmann::json;
 
 Vec3 vector_of(const json& values) {
-  return {values.at(0), values.at(1), values.at(2)};
+  return Vec3(values.at(0).get<double>(), values.at(1).get<double>(), values.at(2).get<double>());
 }
 
 RigidTransform pose_of(const json& pose) {
   const json& q = pose.at("q");
-  return {Quat(q.at(0), q.at(1), q.at(2), q.at(3)).normalized(), vector_of(pose.at("o"))};
+  const auto number = [&](std::size_t i) { return q.at(i).get<double>(); };
+  return {Quat(number(0), number(1), number(2), number(3)).normalized(), vector_of(pose.at("o"))};
 }
 
 template <typename Number>
@@ -71,7 +73,9 @@ void write_field(const json& values, const RecordField& field, TickRecord& recor
 class FixedModel final : public ViewModel {
  public:
   FixedModel(const Scene& scene, int sensors, FeltGlb felt)
-      : scene_(scene), sensors_(sensors), felt_(std::move(felt)),
+      : scene_(scene),
+        sensors_(sensors),
+        felt_(std::move(felt)),
         bytes_(std::make_shared<const std::string>(felt_.bytes)) {}
 
   void show(const json& fields) {
@@ -113,10 +117,11 @@ class FixedModel final : public ViewModel {
   double rate_Hz() const override { return 1000.0; }
   std::string hello() override;
   std::string status(std::size_t clients) override {
-    return json{{"type", "status"}, {"rate_Hz", 1000}, {"missed", 0}, {"late_p999_us", 0},
-                {"step_p50_us", 0}, {"step_max_us", 0}, {"trips", 0}, {"trip", nullptr},
-                {"faults", json::object()}, {"clients", clients}, {"paused", false},
-                {"settings", {{"axes", axes()}}}}.dump();
+    return json{{"type", "status"},   {"rate_Hz", 1000},  {"missed", 0},
+                {"late_p999_us", 0},  {"step_p50_us", 0}, {"step_max_us", 0},
+                {"trips", 0},         {"trip", nullptr},  {"faults", json::object()},
+                {"clients", clients}, {"paused", false},  {"settings", {{"axes", axes()}}}}
+        .dump();
   }
   std::optional<Event> take_event() override { return std::nullopt; }
   void point(const PointerMessage&) override {}
@@ -138,19 +143,24 @@ class FixedModel final : public ViewModel {
 
 std::string FixedModel::hello() {
   const Box& box = scene_.statistics().bounds_scene;
-  const auto numbers = [](const Vec3& v) { return json{v.x(), v.y(), v.z()}; };
+  const auto numbers = [](const Vec3& v) { return json::array({v.x(), v.y(), v.z()}); };
   json hello = {{"type", "hello"}, {"version", kViewVersion}, {"engine", "test"}};
-  hello["scene"] = {{"name", "fixed records"}, {"triangles", felt_.triangles},
-                    {"shown_triangles", felt_.shown_triangles}, {"simplified", false},
-                    {"low_m", numbers(box.low)}, {"high_m", numbers(box.high)}};
-  hello["device"] = {{"name", "no device"}, {"sensors", sensors_}, {"workspace_m", 0.4},
-                     {"low_m", {-0.2, -0.2, -0.2}}, {"high_m", {0.2, 0.2, 0.2}},
-                     {"is_simulated", true}, {"moves_motors", false}};
+  hello["scene"] = {{"name", "fixed records"},
+                    {"triangles", felt_.triangles},
+                    {"shown_triangles", felt_.shown_triangles},
+                    {"simplified", false},
+                    {"low_m", numbers(box.low)},
+                    {"high_m", numbers(box.high)}};
+  hello["device"] = {{"name", "no device"},       {"sensors", sensors_},
+                     {"workspace_m", 0.4},        {"low_m", {-0.2, -0.2, -0.2}},
+                     {"high_m", {0.2, 0.2, 0.2}}, {"is_simulated", true},
+                     {"moves_motors", false}};
   hello["rate_Hz"] = rate_Hz();
   hello["plane_height_m"] = sensors_ == 2 ? json(0.0) : json();
   hello["proxy_radius_m"] = 0.004;
   hello["start_device_m"] = {0, 0, 0};
-  hello["settings"] = {{{"name", "axes"}, {"label", "Motors"}, {"kind", "axes"}, {"value", axes()}}};
+  hello["settings"] = {
+      {{"name", "axes"}, {"label", "Motors"}, {"kind", "axes"}, {"value", axes()}}};
   return hello.dump();
 }
 
