@@ -39,7 +39,7 @@ export class ContactDrawing {
     plate: new MarkPaint(false),
     frame: new MarkPaint(false),
     line: new MarkPaint(false),
-    normal: new MarkPaint(false),
+    normal: new MarkPaint(false).isOnTop(), // it often lies along the force
     force: new MarkPaint(false),
     missing: new MarkPaint(false),
     rail: new MarkPaint(false),
@@ -58,8 +58,8 @@ export class ContactDrawing {
   private readonly touching = new Color();
 
   constructor() {
-    const marks = [...this.rails, this.line, this.plate, this.normal, this.ball, this.frame,
-                   this.missing, this.force, this.target];
+    const marks = [...this.rails, this.line, this.plate, this.ball, this.frame, this.missing,
+                   this.force, this.normal, this.target];
     for (const mark of marks) this.object.add(mark.object);
   }
 

@@ -147,7 +147,8 @@ export class FeltScene {
 
   // The height of the floor: the lowest corner of the scene's bounds.
   private lowest_m(display: Display): number {
-    return new Box3(this.low, this.high).applyMatrix4(display.T_display_scene).min.z;
+    const bounds = new Box3(this.low.clone(), this.high.clone()); // a Box3 keeps what it gets
+    return bounds.applyMatrix4(display.T_display_scene).min.z;
   }
 
   private placeBody(pose: BodyPose): void {

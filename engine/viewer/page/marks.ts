@@ -35,6 +35,13 @@ export class MarkPaint {
     this.hidden.color.copy(color);
   }
 
+  // Drawn last, over all that it touches.
+  isOnTop(): this {
+    this.seen.depthTest = false;
+    this.hidden.visible = false;
+    return this;
+  }
+
   set isAlwaysSeen(value: boolean) {
     this.hidden.opacity = value ? 1 : kHiddenOpacity;
   }

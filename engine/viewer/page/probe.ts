@@ -40,7 +40,6 @@ export function publishProbe(parts: ProbeParts): void {
       projection: view.camera.camera.projectionMatrix.toArray(),
       isTopView: view.camera.isTopView,
       mode: view.mode,
-      sceneRadius_m: view.sceneRadius_m,
     },
     pixelOf: (x: number, y: number, z: number) => view?.camera.pixelOf(new Vector3(x, y, z)),
     setFlat: (isFlat: boolean) => {

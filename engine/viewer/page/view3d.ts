@@ -147,9 +147,6 @@ export class View3d {
   get gridStep_m(): number {
     return this.felt.gridStep_m;
   }
-  get sceneRadius_m(): number {
-    return this.felt.radius_m;
-  }
 
   // Draws if something has changed. Returns true if it drew.
   draw(): boolean {

@@ -73,6 +73,12 @@ async function open(program) {
   return page;
 }
 
+// Half the diagonal of the scene's bounds.
+async function sceneRadius(page) {
+  const { low_m, high_m } = await page.evaluate(() => window.palpate.hello().scene);
+  return 0.5 * Math.hypot(...minus(high_m, low_m));
+}
+
 const isPink = ([r, g, b]) => r > 110 && r > 1.6 * g && b > 1.25 * g && b < r;
 const isGreen = ([r, g, b]) => g > 90 && g > 1.6 * r && g > 1.3 * b;
 const isOrange = ([r, g, b]) => r > 120 && r > 2 * g && r > 3 * b;
@@ -108,7 +114,7 @@ for (const { model, sensors, ball, device, force, full } of kContacts) {
         const program = await startProgram(kPrograms[0], [`${kProject}/models/${model}.glb`, String(sensors)]);
         try {
           const page = await open(program);
-          const { sceneRadius_m: radius_m } = await page.evaluate(() => window.palpate.camera());
+          const radius_m = await sceneRadius(page);
           const q = sensors === 2 ? turnAbout([0, 0, 1], turn_rad) : turnAbout([1, 2, 2], turn_rad);
           const inverse = [q[0], -q[1], -q[2], -q[3]];
           const o = scaled([0.05, -0.08, 0], radius_m);
@@ -179,7 +185,7 @@ for (const { model, sensors, pose, moves } of kOutlines) {
     const program = await startProgram(kPrograms[0], [`${kProject}/models/${model}.glb`, String(sensors)]);
     try {
       const page = await open(program);
-      const { sceneRadius_m: radius_m } = await page.evaluate(() => window.palpate.camera());
+      const radius_m = await sceneRadius(page);
       const bodies = moves
         ? [{ body: 0, q: turnAbout([0, 1, 0], 0.4), o: scaled([0.1, 0.2, 0.4], radius_m) }] : [];
       await page.evaluate(() => window.palpate.setFlat(true));
