@@ -7,7 +7,7 @@ import type { Touch } from "./display.ts";
 import { Arrow, Ball, CubeFrame, DashedRod, MarkPaint, Plate, Ring, Rod } from "./marks.ts";
 import type { Palette } from "./theme.ts";
 
-const kLeastBall_px = 6;
+const kLeastBall_px = 7;
 const kRailGap_px = 4;
 const kForceArrow = 0.06; // length of 1 N, as a share of the radius of the scene
 const kLongestForce = 0.9; // longest arrow, as a share of the same radius

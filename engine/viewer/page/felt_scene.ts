@@ -13,7 +13,9 @@ import type { Palette } from "./theme.ts";
 
 const kShadowPixels = 1024;
 const kGridCells = 10; // about, across the scene
-const kSun = new Vector3(0.45, 0.55, 1).normalize(); // towards the sun, display frame
+// Towards the sun, display frame: at the upper left of the view.
+const kSunOfTopView = new Vector3(0.45, 0.55, 1).normalize();
+const kSunOfOrbit = new Vector3(-0.3, 0.55, 0.9).normalize();
 
 // The step of a grid: 1, 2 or 5 times a power of ten.
 export function roundStep(length: number): number {
@@ -47,6 +49,7 @@ export class FeltScene {
   private readonly low = new Vector3();
   private readonly high = new Vector3();
   private readonly haze = new Fog(0);
+  private towardsSun = kSunOfTopView;
   private lastPose: Matrix4 | null = null;
   private colours: Palette | null = null;
 
@@ -83,7 +86,9 @@ export class FeltScene {
       this.felt.add(mesh);
       return { index: body, mesh, edges: null };
     });
-    this.scene.fog = hello.device.sensors === 2 ? null : this.haze;
+    const isTopView = hello.device.sensors === 2;
+    this.scene.fog = isTopView ? null : this.haze;
+    this.towardsSun = isTopView ? kSunOfTopView : kSunOfOrbit;
     this.makeGround();
     this.placeSun();
     this.lastPose = null;
@@ -134,7 +139,7 @@ export class FeltScene {
     this.ground.position.z = this.lowest_m(display);
     if (moved) {
       this.sun.target.position.copy(centre);
-      this.sun.position.copy(centre).addScaledVector(kSun, 3 * this.radius_m);
+      this.sun.position.copy(centre).addScaledVector(this.towardsSun, 3 * this.radius_m);
     }
     return moved;
   }

@@ -8,6 +8,7 @@ import {
 } from "three";
 
 const kHiddenOpacity = 0.3;
+const kGlow = 0.35; // share of its colour that a shaded mark has without light
 const kMostDashes = 64;
 const kUpward = new Vector3(0, 1, 0);
 
@@ -31,8 +32,10 @@ export class MarkPaint {
   }
 
   set color(color: Color) {
-    this.seen.color.copy(color);
-    this.hidden.color.copy(color);
+    for (const material of [this.seen, this.hidden]) {
+      material.color.copy(color);
+      if (material instanceof MeshLambertMaterial) material.emissive.copy(color).multiplyScalar(kGlow);
+    }
   }
 
   // Drawn last, over all that it touches.

@@ -58,8 +58,8 @@ async function show(program, page, mode, state) {
   await program.ask({ state });
   await until(page, (tick) => window.palpate.state()?.record.tick === tick, state.tick);
   if ((await page.evaluate(() => window.palpate.camera().mode)) !== mode) await page.keyboard.press("c");
+  await page.keyboard.press("f"); // fits the camera to this state, in the next picture
   const before = await page.evaluate(() => window.palpate.pictures());
-  await page.keyboard.press("f"); // fits the camera to this state
   await until(page, ([tick, n]) => window.palpate.drawnTick() === tick && window.palpate.pictures() > n,
               [state.tick, before]);
 }
@@ -79,7 +79,8 @@ async function sceneRadius(page) {
   return 0.5 * Math.hypot(...minus(high_m, low_m));
 }
 
-const isPink = ([r, g, b]) => r > 110 && r > 1.6 * g && b > 1.25 * g && b < r;
+const isPink = ([r, g, b]) => r > 150 && // the plate is darker
+   r > 1.6 * g && b > 1.25 * g && b < r;
 const isGreen = ([r, g, b]) => g > 90 && g > 1.6 * r && g > 1.3 * b;
 const isOrange = ([r, g, b]) => r > 120 && r > 2 * g && r > 3 * b;
 
