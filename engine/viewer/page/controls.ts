@@ -7,6 +7,8 @@ const kSliderSteps = 1000;
 const kWideRange = 50; // a range this much wider than the value gets a slider with cubic steps
 const kPower = 3;
 const kDigits = 3;
+const kMaterialKey = "m"; // goes to the next field
+const kMaterialFields = "input[type=number], .segments button:first-child";
 
 export type SetRequest = (name: string, value: SettingValue) => Promise<Answer>;
 
@@ -193,9 +195,15 @@ export class SettingControls {
     this.pending.clear();
     this.main.replaceChildren();
     this.materials.replaceChildren();
-    for (const setting of settings) this.add(setting, sensors);
+    const hasMaterials = settings.some(({ name }) => name.startsWith("material/"));
     const details = this.materials.closest("details");
-    if (details) details.hidden = this.materials.childElementCount === 0;
+    if (details) details.hidden = !hasMaterials;
+    if (hasMaterials) { // before a setting takes this key
+      this.keysInUse.push(kMaterialKey);
+      this.keys.add({ key: kMaterialKey, label: "Next value of a material",
+                      run: () => this.focusNextMaterial() });
+    }
+    for (const setting of settings) this.add(setting, sensors);
   }
 
   // Shows the values of the engine, except those for which a request is under way.
@@ -217,8 +225,19 @@ export class SettingControls {
     return this.values.get(name);
   }
 
+  // Materials can be many: one key goes from field to field, instead of a key for each.
+  private focusNextMaterial(): void {
+    const details = this.materials.closest("details");
+    if (details) details.open = true;
+    const fields = [...this.materials.querySelectorAll<HTMLElement>(kMaterialFields)];
+    const field = fields[(fields.indexOf(document.activeElement as HTMLElement) + 1) % fields.length];
+    field?.focus();
+    if (field instanceof HTMLInputElement) field.select();
+  }
+
   private add(setting: Setting, sensors: number): void {
-    const key = this.keys.freeKey(setting.key, setting.label);
+    const isOfMaterial = setting.name.startsWith("material/");
+    const key = isOfMaterial ? null : this.keys.freeKey(setting.key, setting.label);
     const set = (value: SettingValue): void => void this.send(setting.name, value);
     const control = setting.kind === "flag" ? flagControl(setting, key, set)
       : setting.kind === "choice" ? choiceControl(setting, key, set)
@@ -230,7 +249,6 @@ export class SettingControls {
       this.keysInUse.push(key);
       this.keys.add({ key, label: setting.label, run: () => control.activate() });
     }
-    const isOfMaterial = setting.name.startsWith("material/");
     (isOfMaterial ? this.materials : this.main).append(control.element);
     this.showOne(setting.name, setting.value);
   }

@@ -130,10 +130,7 @@ class Page {
 
   private connectionChanged(state: ConnectionState): void {
     this.status.showConnection(state);
-    if (state !== "live") {
-      this.hand?.letGo();
-      this.showControl(false);
-    }
+    this.showControl(state === "live" && (this.hello?.control ?? false));
   }
 
   private greet(hello: Hello): void {
@@ -156,7 +153,6 @@ class Page {
     }
     void this.loadScene("felt.glb");
     this.buttons.showSimplified(scene.simplified);
-    this.showControl(hello.control);
   }
 
   private canvasLabel(hello: Hello): string {
@@ -243,7 +239,8 @@ class Page {
   private keyDown(event: KeyboardEvent): void {
     const target = event.target as HTMLElement;
     if (element<HTMLDialogElement>("help").open) return;
-    if (target instanceof HTMLInputElement && event.key !== "Escape") return;
+    // Fields of numbers take digits, signs, arrows and the letter e; other letters are keys.
+    if (target instanceof HTMLInputElement && !/^([a-df-z]|Escape)$/i.test(event.key)) return;
     if (event.key === " " && target instanceof HTMLButtonElement) return; // presses the button
     if (this.pointing?.key(event) || this.keys.press(event)) event.preventDefault();
   }

@@ -53,7 +53,9 @@ def browser(node, project, build, script, programs, is_test=True):
     chromium = find_browser() or skip("no Chromium is installed")
     packages = require(project / "build/browser_packages/node_modules/playwright-core", "the driver")
     require(build / "page/page.js", "the page")
-    return run(node, *(["--test"] if is_test else []), script, env={
+    only = os.environ.get("PALPATE_ONLY")  # runs the tests whose names match
+    pattern = [f"--test-name-pattern={only}"] if only else []
+    return run(node, *(["--test", *pattern] if is_test else []), script, env={
         **os.environ, "PALPATE_CHROMIUM": chromium, "PALPATE_DRIVER": str(packages),
         "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(programs),
         "PALPATE_PICTURES": str(build / "page_pictures")})

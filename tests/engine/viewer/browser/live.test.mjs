@@ -161,7 +161,7 @@ test("arrow keys move the hand, and Escape lets go", async () => {
 });
 
 test("the wheel moves the hand in depth with three sensors", async () => {
-  await withServer([`${kProject}/models/sphere.glb`, "--sensors", "3"], async (server) => {
+  await withServer([`${kProject}/models/sphere.glb`, "--fit", "0.2", "--sensors", "3"], async (server) => {
     const page = await openPage(browser, server.address);
     await untilDrawn(page);
     const before = (await state(page)).record.device_m;
@@ -361,13 +361,23 @@ test("every control has a key and a name, and ? lists the keys", async () => {
     await untilDrawn(page);
     await page.evaluate(() => document.querySelectorAll("details").forEach((box) => (box.open = true)));
     const without = await page.evaluate(() => {
-      const controls = [...document.querySelectorAll("aside [data-setting], aside .buttons button")];
+      const controls = [...document.querySelectorAll(
+        "#settings [data-setting], #materials-box summary, aside .buttons button")];
       return controls.filter((control) => !control.querySelector("kbd")?.textContent)
         .map((control) => control.textContent);
     });
     assert.deepEqual(without, [], "controls without a key");
+    const fields = await page.locator("#materials [data-setting]").count();
+    const visited = new Set();
+    for (let i = 0; i < fields; ++i) {
+      await page.keyboard.press("m");
+      visited.add(await page.evaluate(
+        () => document.activeElement.closest("[data-setting]").dataset.setting));
+    }
+    assert.equal(visited.size, fields, "the key M goes to each field of a material");
+    await page.evaluate(() => document.activeElement.blur());
     const names = await page.evaluate(() =>
-      [...document.querySelectorAll("button, input, canvas, summary")].map((control) =>
+      [...document.querySelectorAll("button, input, summary, #view")].map((control) =>
         control.getAttribute("aria-label") || control.labels?.[0]?.textContent || control.textContent));
     assert.ok(names.every((name) => name.trim() !== ""), `${names}`);
     await page.keyboard.press("?");
