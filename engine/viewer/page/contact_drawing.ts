@@ -11,7 +11,7 @@ const kLeastBall_px = 7;
 const kRailGap_px = 4;
 const kForceArrow = 0.06; // length of 1 N, as a share of the radius of the scene
 const kLongestForce = 0.9; // longest arrow, as a share of the same radius
-const kNormal_px = 30;
+const kNormal_px = 40;
 
 export interface View {
   metresPerPixel(point_m: Vector3): number;
@@ -101,7 +101,7 @@ export class ContactDrawing {
     this.plate.set(foot, normal, 2.4 * radius_m, 2.5 * pixel_m);
     const begin = ball_m.clone().addScaledVector(normal, radius_m);
     const end = begin.clone().addScaledVector(normal, kNormal_px * pixel_m);
-    this.normal.set(begin, end, 1 * pixel_m);
+    this.normal.set(begin, end, 1.2 * pixel_m);
   }
 
   // The commanded force begins at the ball; what the device cannot give continues at its tip, so that

@@ -97,7 +97,10 @@ class Page {
 
   private actions() {
     return {
-      start: () => void this.tell({ type: "start" }),
+      start: () => {
+        this.hand?.letGo(); // else its next message would take the hand back
+        void this.tell({ type: "start" });
+      },
       pause: () => void this.tell({ type: "pause", value: !(this.state?.isPaused ?? false) }),
       rearm: () => void this.tell({ type: "rearm" }),
       takeControl: () => void this.tell({ type: "take_control" }),

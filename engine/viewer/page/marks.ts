@@ -10,6 +10,9 @@ import {
 const kHiddenOpacity = 0.3;
 const kGlow = 0.35; // share of its colour that a shaded mark has without light
 const kMostDashes = 64;
+const kHiddenOrder = 1;
+const kSeenOrder = 2;
+const kTopOrder = 3;
 const kUpward = new Vector3(0, 1, 0);
 
 type MarkMaterial = MeshBasicMaterial | MeshLambertMaterial;
@@ -18,6 +21,7 @@ type MarkMaterial = MeshBasicMaterial | MeshLambertMaterial;
 export class MarkPaint {
   readonly seen: MarkMaterial;
   readonly hidden: MarkMaterial;
+  order = kSeenOrder; // in which three.js draws
 
   constructor(isShaded: boolean, hasHiddenPart = true) {
     const make = (): MarkMaterial =>
@@ -41,6 +45,7 @@ export class MarkPaint {
   // Drawn last, over all that it touches.
   isOnTop(): this {
     this.seen.depthTest = false;
+    this.order = kTopOrder;
     this.hidden.visible = false;
     return this;
   }
@@ -58,8 +63,8 @@ function twoParts(geometry: BufferGeometry, paint: MarkPaint): Group {
     mesh.renderOrder = order;
     group.add(mesh);
   };
-  add(paint.hidden, 1);
-  add(paint.seen, 2);
+  add(paint.hidden, kHiddenOrder);
+  add(paint.seen, paint.order);
   return group;
 }
 
@@ -122,9 +127,9 @@ export class DashedRod {
   private readonly parts: InstancedMesh[];
 
   constructor(paint: MarkPaint) {
-    this.parts = [paint.hidden, paint.seen].map((material, order) => {
+    this.parts = [paint.hidden, paint.seen].map((material) => {
       const mesh = new InstancedMesh(kRod, material, kMostDashes);
-      mesh.renderOrder = order + 1;
+      mesh.renderOrder = material === paint.seen ? paint.order : kHiddenOrder;
       mesh.frustumCulled = false;
       return mesh;
     });

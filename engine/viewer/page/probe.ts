@@ -27,7 +27,8 @@ export function publishProbe(parts: ProbeParts): void {
     status: () => parts.status(), // the newest
     isLive: () => parts.isLive(),
     sent: () => parts.sent(), // sequence of the last pointer message; 0: none
-    metresPerPixel: () => view?.camera.metresPerPixel(new Vector3()) ?? NaN,
+    metresPerPixel: (x: number, y: number, z: number) =>
+      view?.camera.metresPerPixel(new Vector3(x, y, z)) ?? NaN,
     pictures: () => view?.pictures ?? 0,
     drawnTick: () => view?.drawnTick ?? -1,
     bodies: () => view?.bodies ?? 0,

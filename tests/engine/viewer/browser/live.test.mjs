@@ -128,7 +128,7 @@ test("with the camera metaphor a drag moves the target by the pointer's displace
     await until(page, () => window.palpate.camera().mode === "camera");
     const box = await page.locator("#view").boundingBox();
     const before = (await state(page)).record.device_m;
-    const perPixel = await page.evaluate(() => window.palpate.metresPerPixel());
+    const perPixel = await page.evaluate(() => window.palpate.metresPerPixel(0, 0, 0));
     await page.mouse.move(box.x + 200, box.y + 300);
     await page.mouse.down();
     await page.mouse.move(box.x + 170, box.y + 320); // 30 px left: +A2; 20 px down: -A1

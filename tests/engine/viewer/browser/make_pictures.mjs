@@ -13,11 +13,15 @@ import { join } from "node:path";
 import { assertClean, kPrograms, kProject, openBrowser, openPage, startProgram, until, untilDrawn } from "./chromium.mjs";
 import { animatedWebp } from "./webp.mjs";
 
-const kWidth = 720;
-const kHeight = 480;
+const kWidth = 840; // beyond the width at which the page puts its numbers over the view
+const kHeight = 520;
+const kSpeed_m_per_s = 0.25;
+const kPause_ms = 700; // in which a wall is pressed
 const kLength_s = 10;
+const kShortest_s = 0.09; // between two frames
 const kMostBytes = 2_000_000;
 const kQuality = 0.72;
+const kDepthPerWheel = 0.25; // pixels of depth for each unit of the wheel, as in pointing.ts
 const kStill = { width: 1280, height: 800 };
 const folder = process.env.PALPATE_FOLDER;
 
@@ -58,41 +62,69 @@ async function record(page, act) {
     frames.push({ data, time_s: metadata.timestamp });
     void session.send("Page.screencastFrameAck", { sessionId });
   });
-  await session.send("Page.startScreencast", { format: "jpeg", quality: 95, everyNthFrame: 5 });
+  await session.send("Page.startScreencast", { format: "jpeg", quality: 95 });
   await act();
   while (frames.at(-1).time_s - frames[0].time_s < kLength_s) await page.waitForTimeout(100);
   await session.send("Page.stopScreencast");
   const end_s = frames[0].time_s + kLength_s;
-  const kept = frames.filter(({ time_s }) => time_s < end_s);
+  let last_s = -Infinity;
+  const kept = frames.filter(({ time_s }) => {
+    const isKept = time_s < end_s && time_s - last_s >= kShortest_s;
+    if (isKept) last_s = time_s;
+    return isKept;
+  });
   return kept.map((frame, i) => ({ ...frame, duration_ms: 1000 * ((kept[i + 1]?.time_s ?? end_s) - frame.time_s) }));
 }
+
+// Moves the mouse along a straight line in the top view, at the speed of a hand.
+async function glide(page, from_m, to_m) {
+  const [from, to] = [await screenPlace(page, from_m), await screenPlace(page, to_m)];
+  const begin_ms = Date.now();
+  const lasts_ms = (1000 * Math.hypot(...to_m.map((v, i) => v - from_m[i]))) / kSpeed_m_per_s;
+  for (let share = 0; share < 1;) {
+    share = Math.min(1, (Date.now() - begin_ms) / lasts_ms);
+    await page.mouse.move(...from.map((v, k) => v + (to[k] - v) * share));
+    await page.waitForTimeout(20);
+  }
+}
+
+// Where the middle of the scene is now, device frame.
+const middle = (page) => page.evaluate(() => {
+  const { q_after_wxyz: [w, , , z], o_after_m: o } = window.palpate.state().record;
+  const { low_m, high_m } = window.palpate.hello().scene;
+  const [x, y] = [0, 1].map((i) => 0.5 * (low_m[i] + high_m[i]));
+  const [c, s] = [w * w - z * z, 2 * w * z];
+  return [o[0] + c * x - s * y, o[1] + s * x + c * y, 0];
+});
 
 async function makeStar() {
   const server = await startProgram(kPrograms[0], ["view", `${kProject}/models/star.glb`]);
   const page = await openPage(browser, server.address, { viewport: { width: kWidth, height: kHeight } });
   await untilDrawn(page);
   await page.evaluate(() => { // only the view and its numbers
-    document.querySelector("aside").style.display = "none";
-    document.querySelector("main").style.display = "block";
-    const stage = document.getElementById("stage");
-    stage.style.height = `${innerHeight - stage.getBoundingClientRect().top}px`;
-    stage.style.display = "block";
-    for (const [id, rule] of [["view", "absolute"], ["readout", "absolute"], ["key", "absolute"]]) {
-      document.getElementById(id).style.position = rule;
+    for (const hidden of [document.querySelector("aside"), document.getElementById("key")]) {
+      hidden.style.display = "none";
     }
-    const view = document.getElementById("view");
-    view.style.height = "100%";
-    view.style.minHeight = "0";
+    document.querySelector("main").style.gridTemplateColumns = "1fr";
   });
-  await page.waitForTimeout(300);
+  await page.keyboard.press("-"); // the star moves as it turns
+  await page.waitForTimeout(500);
   const frames = await record(page, async () => {
-    const from = await screenPlace(page, (await page.evaluate(() => window.palpate.state())).record.device_m);
-    const to = await screenPlace(page, [-0.03, 0.035, 0]);
-    await page.mouse.move(...from);
+    const device = (await page.evaluate(() => window.palpate.state())).record.device_m;
+    await page.mouse.move(...(await screenPlace(page, device)));
     await page.mouse.down();
-    for (let i = 1; i <= 40; ++i) {
-      await page.mouse.move(...from.map((v, k) => v + ((to[k] - v) * i) / 40));
-      await page.waitForTimeout(35);
+    let last = [-0.03, 0.035, 0];
+    await glide(page, device, last); // onto a wall from below
+    await page.waitForTimeout(kPause_ms);
+    for (const side of [1, -1]) { // then onto walls from the left and from the right
+      const centre = await middle(page);
+      const path = [[-0.14, 0], [-0.12, 0.13 * side], [-0.01, 0.13 * side], [-0.01, 0.03 * side]];
+      for (const [x, y] of path) {
+        const next = [centre[0] + x, centre[1] + y, 0];
+        await glide(page, last, next);
+        last = next;
+      }
+      await page.waitForTimeout(kPause_ms);
     }
   });
   assertClean(page);
@@ -106,28 +138,43 @@ async function makeStar() {
   await server.stop();
 }
 
+// Drags and wheels until the target of the hand is at a place of the device frame. pointer: where the
+// mouse is, with its button down.
+async function moveTarget(page, pointer, place_m) {
+  for (let round = 0; round < 8; ++round) {
+    const [right, up, ahead] = await page.evaluate((to) => {
+      const { target_m, record, hasTarget } = window.palpate.state();
+      const from = hasTarget ? target_m : record.device_m;
+      const m = window.palpate.camera().view; // rows: right, up, backwards
+      const pixel_m = window.palpate.metresPerPixel(...from);
+      const along = (row) => [0, 1, 2].reduce((sum, i) => sum + m[4 * i + row] * (to[i] - from[i]), 0);
+      return [along(0), along(1), -along(2)].map((v) => v / pixel_m);
+    }, place_m);
+    pointer.x += right;
+    pointer.y -= up;
+    await page.mouse.move(pointer.x, pointer.y, { steps: 4 });
+    await page.mouse.wheel(0, -ahead / kDepthPerWheel);
+    await page.waitForTimeout(300);
+  }
+}
+
 async function makeTorus() {
   const server = await startProgram(kPrograms[0], ["view", `${kProject}/models/torus.glb`, "--fit", "0.2",
                                                    "--sensors", "3", "--actuators", "1"]);
   const page = await openPage(browser, server.address, { viewport: kStill });
   await untilDrawn(page);
-  const box = await page.locator("#view").boundingBox();
-  const device = (await page.evaluate(() => window.palpate.state())).record.device_m;
-  const from = await screenPlace(page, device);
-  const to = await screenPlace(page, [-0.02, 0.065, 0.02]);
-  assert.ok(to[0] > box.x && to[1] > box.y);
-  await page.mouse.move(...from);
+  const pointer = { x: 400, y: 400 };
+  await page.mouse.move(pointer.x, pointer.y);
   await page.mouse.down();
-  await page.mouse.move(...to, { steps: 20 });
-  for (let i = 0; i < 60; ++i) {
-    await page.mouse.wheel(0, -40);
-    const { record } = await page.evaluate(() => window.palpate.state());
-    if (record.contact && Math.hypot(...record.full_force_device_N) > 3) break;
-    await page.waitForTimeout(60);
-  }
+  await moveTarget(page, pointer, [-0.06, 0.035, 0.06]);
+  await moveTarget(page, pointer, [-0.06, 0.035, 0.024]);
   await until(page, () => window.palpate.state().record.contact === 1);
-  await page.waitForTimeout(2500);
+  await page.waitForTimeout(2000); // a part of the turn
   await page.screenshot({ path: join(folder, "torus.png") });
+  console.log(await page.evaluate(() => {
+    const { record } = window.palpate.state();
+    return `torus.png: contact angle ${(record.alpha_rad * 180) / Math.PI} deg`;
+  }));
   assertClean(page);
   await page.context().close();
   await server.stop();
