@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <pthread.h>
 #include <thread>
 #include <utility>
 
@@ -177,6 +178,7 @@ void ViewServer::Network::start() {
   frame();
   check();
   thread_ = std::thread([this] { context_.run(); });
+  ::pthread_setname_np(thread_.native_handle(), "palpate-network");  // as top and ps show it
 }
 
 void ViewServer::Network::stop() {
