@@ -20,6 +20,7 @@
 PALPATE_EMBED(page_html, "index.html")
 PALPATE_EMBED(page_script, "page.js")
 PALPATE_EMBED(page_style, "page.css")
+PALPATE_EMBED(page_icon, "icon.svg")
 PALPATE_EMBED(page_licences, "licences.txt")
 
 namespace palpate {
@@ -34,7 +35,8 @@ std::string_view between(const char* begin, const char* end) {
 std::optional<PageFiles> embedded_page() noexcept {
   return PageFiles{between(palpate_page_html, palpate_page_html_end),
                    between(palpate_page_script, palpate_page_script_end),
-                   between(palpate_page_style, palpate_page_style_end)};
+                   between(palpate_page_style, palpate_page_style_end),
+                   between(palpate_page_icon, palpate_page_icon_end)};
 }
 
 std::string_view embedded_licences() noexcept {

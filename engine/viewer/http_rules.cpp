@@ -6,10 +6,11 @@
 namespace palpate {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Resource>, 6> kTargets = {{
+constexpr std::array<std::pair<std::string_view, Resource>, 7> kTargets = {{
     {"/", Resource::kPage},
     {"/page.js", Resource::kScript},
     {"/page.css", Resource::kStyle},
+    {"/icon.svg", Resource::kIcon},
     {"/felt.glb", Resource::kScene},
     {"/felt.glb?full", Resource::kFullScene},
     {"/live", Resource::kLive},

@@ -14,7 +14,7 @@
 namespace palpate {
 
 // What the server has. No folder is served: a target is compared whole, with its query.
-enum class Resource : std::uint8_t { kPage, kScript, kStyle, kScene, kFullScene, kLive };
+enum class Resource : std::uint8_t { kPage, kScript, kStyle, kIcon, kScene, kFullScene, kLive };
 
 // The parts of a request that decide. A header that occurs twice is listed twice.
 struct HttpHead {

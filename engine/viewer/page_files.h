@@ -12,6 +12,7 @@ struct PageFiles {
   std::string_view html;
   std::string_view script;
   std::string_view style;
+  std::string_view icon;  // an SVG
 };
 
 // No value: the program was built without the page (PALPATE_VIEWER).

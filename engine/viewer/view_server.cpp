@@ -118,7 +118,7 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   ViewModel& model_;
   Token token_ = Token::make();
   std::uint16_t port_ = 0;
-  PageFile html_, script_, style_;
+  PageFile html_, script_, style_, icon_;
 
   int connections_ = 0;  // outlives the handlers in context_, whose end it counts
 
@@ -152,7 +152,8 @@ ViewServer::Network::Network(const ServerSettings& settings, const PageFiles& pa
       model_(model),
       html_{page.html, gzip_compressed(page.html), "text/html; charset=utf-8"},
       script_{page.script, gzip_compressed(page.script), "text/javascript; charset=utf-8"},
-      style_{page.style, gzip_compressed(page.style), "text/css; charset=utf-8"} {}
+      style_{page.style, gzip_compressed(page.style), "text/css; charset=utf-8"},
+      icon_{page.icon, gzip_compressed(page.icon), "image/svg+xml"} {}
 
 std::optional<Error> ViewServer::Network::listen() {
   boost::system::error_code error;
@@ -235,6 +236,7 @@ HttpVerdict ViewServer::Network::judge(const HttpHead& head) {
 
 const ViewServer::Network::PageFile& ViewServer::Network::page_file(Resource resource) const {
   if (resource == Resource::kScript) return script_;
+  if (resource == Resource::kIcon) return icon_;
   return resource == Resource::kStyle ? style_ : html_;
 }
 
