@@ -100,7 +100,7 @@ std::uint64_t pointer_of(const std::string& state) {
 struct View {
   View(const Scene& scene, const RunSetup& setup)
       : session(std::move(*ViewSession::create(scene, setup, {}))),
-        server(std::move(*ViewServer::listen({}, {"page", "script", "style"}, *session))) {
+        server(std::move(*ViewServer::listen({}, {"page", "script", "style", "icon"}, *session))) {
     server->start();
     if (const auto error = session->start()) std::fprintf(stderr, "%s\n", error->problem.c_str());
   }

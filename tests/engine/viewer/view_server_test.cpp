@@ -87,6 +87,7 @@ TEST(ViewServer, ServesThePageToEverybodyAndTheSceneToTheToken) {
   EXPECT_NE(get("/").find("\r\n\r\n<!doctype html>the page"), std::string::npos);
   EXPECT_NE(get("/page.js").find("\r\n\r\nthe script"), std::string::npos);
   EXPECT_NE(get("/page.css").find("\r\n\r\nthe style"), std::string::npos);
+  EXPECT_NE(get("/icon.svg").find("\r\n\r\nthe icon"), std::string::npos);
   EXPECT_EQ(status_of(get("/felt.glb")), 401);
   const std::string bearer = "Authorization: Bearer " + served.token + "\r\n";
   EXPECT_NE(get("/felt.glb", bearer).find("\r\n\r\nthe scene"), std::string::npos);
@@ -186,7 +187,7 @@ TEST(ViewServer, TellsItsClientsThatItEnds) {
 TEST(ViewServer, RefusesATakenPortAndAForeignAddressInOneLine) {
   const ServedModel served;
   RememberingModel model;
-  const PageFiles page{"a", "b", "c"};
+  const PageFiles page{"a", "b", "c", "d"};
   const auto taken = ViewServer::listen({.port = served.port}, page, model);
   ASSERT_FALSE(taken.ok());
   EXPECT_EQ(taken.error().to_string(),
