@@ -38,7 +38,7 @@ struct HttpVerdict {
 //   machine. Otherwise 403.
 // - The Origin must be http:// and that Host; only a plain GET may lack it. Otherwise 403: the
 //   request comes from a foreign page.
-// - Only GET (405), and only the six names (404).
+// - Only GET (405), and only the seven names (404).
 // - The scene requires the token as `Authorization: Bearer` (401). /live requires a handshake
 // (426);
 //   its token is the first message.

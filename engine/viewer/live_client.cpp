@@ -1,5 +1,6 @@
 #include "engine/viewer/live_client.h"
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/http/fields.hpp>
 #include <utility>
@@ -115,6 +116,9 @@ void LiveClient::close(std::uint16_t code, std::string reason) {
   if (is_closing_ || has_ended_) return;
   constexpr std::size_t kLongestReason = 120;  // a control frame has 125 bytes at most
   reason.resize(std::min(reason.size(), kLongestReason));
+  // A reason may repeat what the client sent. A part of a character would break the frame.
+  std::replace_if(
+      reason.begin(), reason.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   close_reason_ = websocket::close_reason(websocket::close_code(code), reason);
   is_closing_ = true;
   wants_state_ = wants_ticks_ = false;

@@ -52,10 +52,10 @@ class LiveSettings final : public BeforeTick {
   // On the haptic thread: fetches what was set since the last tick. before_tick() calls it in a
   // tick in which the device has not.
   void take() noexcept;
-  // The motors of the simulated device with these axes; empty: no motor, or not changed since the
-  // description (Device::motors_now).
+  // The motors of the simulated device with these axes, in a tick in which they have changed;
+  // otherwise empty, so that HapticSession keeps the last ones without work.
   std::span<const MotorDescription> motors() const noexcept {
-    return std::span(motors_).first(motor_count_);
+    return is_new_ ? std::span(motors_).first(motor_count_) : std::span<const MotorDescription>();
   }
   void before_tick(double time_s, HapticLoop& loop) noexcept override;
 

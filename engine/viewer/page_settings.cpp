@@ -39,6 +39,15 @@ Json axes_json(const std::vector<Vec3>& axes) {
   return list;
 }
 
+// In the unit of the file.
+double initial_value(const Scene& scene, std::uint32_t call, const ParameterKey& key) {
+  const EffectProgram& program = *scene.world().effects;
+  double number = 0.0;
+  std::memcpy(&number, program.parameters.data() + program.calls[call].parameters + key.offset,
+              sizeof number);
+  return key.scales_as_length ? number / scene.statistics().scale : number;
+}
+
 // The index of a word in a list, or the list's size.
 template <typename List>
 std::size_t index_of(const List& words, const std::string& word) {
@@ -61,82 +70,80 @@ PageSettings::PageSettings(const Scene& scene, LiveSettings& live, MaterialTuner
 }
 
 void PageSettings::add_loop_settings(bool has_axes, bool has_full_force) {
-  settings_.push_back({"a4",
-                       "A4",
-                       "flag",
-                       "",
-                       0,
-                       0,
-                       {},
-                       "a",
-                       [this](const SettingValue& value) {
-                         return with<bool>("a4", "true or false", value,
-                                           [this](bool on) -> std::optional<Error> {
-                                             live_.set_a4(on);
-                                             return std::nullopt;
-                                           });
-                       },
-                       [this] { return Json(live_.a4()); }});
-  if (has_axes) {
-    using Axes = std::vector<std::array<double, 3>>;
-    settings_.push_back({"axes",
-                         "actuated axes",
-                         "axes",
-                         "",
-                         0,
-                         0,
-                         {},
-                         "x",
-                         [this](const SettingValue& value) {
-                           return with<Axes>("axes", "a list of axes", value,
-                                             [this](const Axes& a) {
-                                               std::vector<Vec3> axes;
-                                               for (const auto& axis : a)
-                                                 axes.emplace_back(axis.data());
-                                               return live_.set_axes(axes);
-                                             });
-                         },
-                         [this] { return axes_json(live_.axes()); }});
-  }
-  std::vector<std::string> forces(kForces.begin(), kForces.end() - (has_full_force ? 0 : 1));
-  const auto set_force = [this, forces](const SettingValue& value) {
-    return with<std::string>("force", "none, actuated or full", value,
+  add_a4();
+  if (has_axes) add_axes();
+  add_force(has_full_force);
+  add_number(
+      {"stiffness", "stiffness", "number", "N/m", 0.0, live_.most_stiffness_N_per_m(), {}, "k"},
+      [this](double value) { return live_.set_stiffness(value); },
+      [this] { return Json(live_.stiffness_N_per_m()); });
+  add_number(
+      {"damping", "damping", "number", "N s/m", 0.0, live_.most_damping_Ns_per_m(), {}, "b"},
+      [this](double value) { return live_.set_damping(value); },
+      [this] { return Json(live_.damping_Ns_per_m()); });
+}
+
+void PageSettings::add_a4() {
+  Setting setting{"a4", "A4", "flag", "", 0.0, 0.0, {}, "a"};
+  setting.change = [this](const SettingValue& value) {
+    return with<bool>("a4", "true or false", value, [this](bool on) -> std::optional<Error> {
+      live_.set_a4(on);
+      return std::nullopt;
+    });
+  };
+  setting.value = [this] { return Json(live_.a4()); };
+  settings_.push_back(std::move(setting));
+}
+
+void PageSettings::add_axes() {
+  using Axes = std::vector<std::array<double, 3>>;
+  Setting setting{"axes", "actuated axes", "axes", "", 0.0, 0.0, {}, "x"};
+  setting.change = [this](const SettingValue& value) {
+    return with<Axes>("axes", "a list of axes", value, [this](const Axes& list) {
+      std::vector<Vec3> axes;
+      for (const auto& axis : list) axes.emplace_back(axis.data());
+      return live_.set_axes(axes);
+    });
+  };
+  setting.value = [this] { return axes_json(live_.axes()); };
+  settings_.push_back(std::move(setting));
+}
+
+void PageSettings::add_force(bool has_full_force) {
+  Setting setting{"force", "force", "choice", "", 0.0, 0.0, {}, "f"};
+  setting.choices.assign(kForces.begin(), kForces.end() - (has_full_force ? 0 : 1));
+  const auto set = [this](double index) -> std::optional<Error> {
+    live_.set_force(static_cast<ForceMode>(static_cast<int>(index)));
+    return std::nullopt;
+  };
+  add_choice(std::move(setting), set, [this] { return static_cast<double>(live_.force()); });
+}
+
+void PageSettings::add_number(Setting setting, std::function<std::optional<Error>(double)> set,
+                              std::function<Json()> value) {
+  setting.change = [name = setting.name, set = std::move(set)](const SettingValue& wanted) {
+    return with<double>(name, "a number", wanted, set);
+  };
+  setting.value = std::move(value);
+  settings_.push_back(std::move(setting));
+}
+
+void PageSettings::add_choice(Setting setting, std::function<std::optional<Error>(double)> set,
+                              std::function<double()> value) {
+  setting.change = [name = setting.name, choices = setting.choices,
+                    set = std::move(set)](const SettingValue& wanted) {
+    return with<std::string>(name, "one of its choices", wanted,
                              [&](const std::string& word) -> std::optional<Error> {
-                               const std::size_t i = index_of(forces, word);
-                               if (i == forces.size())
-                                 return wrong_kind("force", "none, actuated or full");
-                               live_.set_force(static_cast<ForceMode>(i));
-                               return std::nullopt;
+                               const std::size_t i = index_of(choices, word);
+                               if (i == choices.size())
+                                 return wrong_kind(name, "one of its choices");
+                               return set(static_cast<double>(i));
                              });
   };
-  settings_.push_back({"force", "force", "choice", "", 0, 0, forces, "f", set_force,
-                       [this] { return Json(kForces[static_cast<std::size_t>(live_.force())]); }});
-  settings_.push_back({"stiffness",
-                       "stiffness",
-                       "number",
-                       "N/m",
-                       0.0,
-                       live_.most_stiffness_N_per_m(),
-                       {},
-                       "k",
-                       [this](const SettingValue& value) {
-                         return with<double>("stiffness", "a number", value,
-                                             [this](double k) { return live_.set_stiffness(k); });
-                       },
-                       [this] { return Json(live_.stiffness_N_per_m()); }});
-  settings_.push_back({"damping",
-                       "damping",
-                       "number",
-                       "N s/m",
-                       0.0,
-                       live_.most_damping_Ns_per_m(),
-                       {},
-                       "b",
-                       [this](const SettingValue& value) {
-                         return with<double>("damping", "a number", value,
-                                             [this](double b) { return live_.set_damping(b); });
-                       },
-                       [this] { return Json(live_.damping_Ns_per_m()); }});
+  setting.value = [choices = setting.choices, value = std::move(value)] {
+    return Json(choices[static_cast<std::size_t>(value())]);
+  };
+  settings_.push_back(std::move(setting));
 }
 
 void PageSettings::add_material(const Scene& scene, const std::string& material,
@@ -160,13 +167,8 @@ void PageSettings::add_key(const Scene& scene, const std::string& material, std:
   setting.unit = key.unit;
   setting.low = key.least;
   setting.high = key.most;
-  const EffectProgram& program = *scene.world().effects;
-  double number = 0.0;
-  std::memcpy(&number, program.parameters.data() + program.calls[call].parameters + key.offset,
-              sizeof number);
-  if (key.scales_as_length) number /= scene.statistics().scale;
-  const auto now = std::make_shared<double>(number);
-  const auto set_number = [this, handle = *handle, now](double value) {
+  const auto now = std::make_shared<double>(initial_value(scene, call, key));
+  const auto set = [this, handle = *handle, now](double value) {
     auto error = tuner_.set(handle, value);
     if (!error) *now = value;
     return error;
@@ -174,27 +176,10 @@ void PageSettings::add_key(const Scene& scene, const std::string& material, std:
   if (key.kind == ParameterKey::Kind::kChoice) {
     setting.kind = "choice";
     setting.choices.assign(key.choices.begin(), key.choices.end());
-    setting.change = [name = setting.name, choices = setting.choices,
-                      set_number](const SettingValue& value) {
-      return with<std::string>(name, "one of its choices", value,
-                               [&](const std::string& word) -> std::optional<Error> {
-                                 const std::size_t i = index_of(choices, word);
-                                 if (i == choices.size())
-                                   return wrong_kind(name, "one of its choices");
-                                 return set_number(static_cast<double>(i));
-                               });
-    };
-    setting.value = [choices = setting.choices, now] {
-      return Json(choices[static_cast<std::size_t>(*now)]);
-    };
-  } else {
-    setting.kind = "number";
-    setting.change = [name = setting.name, set_number](const SettingValue& value) {
-      return with<double>(name, "a number", value, set_number);
-    };
-    setting.value = [now] { return Json(*now); };
+    return add_choice(std::move(setting), set, [now] { return *now; });
   }
-  settings_.push_back(std::move(setting));
+  setting.kind = "number";
+  add_number(std::move(setting), set, [now] { return Json(*now); });
 }
 
 std::optional<Error> PageSettings::set(const std::string& name, const SettingValue& value) {

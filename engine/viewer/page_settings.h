@@ -34,19 +34,26 @@ class PageSettings {
   nlohmann::ordered_json values() const;
 
  private:
-  struct Setting;
   // Returns the Error of a refused value.
   using Change = std::function<std::optional<Error>(const SettingValue&)>;
   struct Setting {
-    std::string name, label, kind, unit;
+    std::string name = {}, label = {}, kind = {}, unit = {};
     double low = 0.0, high = 0.0;
-    std::vector<std::string> choices;
-    std::string key;  // of the keyboard; may be empty
-    Change change;
-    std::function<nlohmann::ordered_json()> value;
+    std::vector<std::string> choices = {};
+    std::string key = {};  // of the keyboard; may be empty
+    Change change = {};
+    std::function<nlohmann::ordered_json()> value = {};
   };
 
   void add_loop_settings(bool has_axes, bool has_full_force);
+  void add_a4();
+  void add_axes();
+  void add_force(bool has_full_force);
+  void add_number(Setting setting, std::function<std::optional<Error>(double)> set,
+                  std::function<nlohmann::ordered_json()> value);
+  // value: the index of the present choice.
+  void add_choice(Setting setting, std::function<std::optional<Error>(double)> set,
+                  std::function<double()> value);
   void add_material(const Scene& scene, const std::string& material, std::uint32_t call);
   void add_key(const Scene& scene, const std::string& material, std::uint32_t call,
                const ParameterKey& key);

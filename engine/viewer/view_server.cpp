@@ -1,17 +1,14 @@
 #include "engine/viewer/view_server.h"
 
 #include <algorithm>
-#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
-#include <cerrno>
 #include <chrono>
-#include <condition_variable>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <optional>
+#include <pthread.h>
 #include <thread>
 #include <utility>
 
@@ -103,7 +100,7 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
 
   void accept();
   void on_accept(net::basic_stream_socket<net::ip::tcp, Executor> socket);
-  void admit(LiveClient& client, const PageRequest& request);
+  void admit(LiveClient& client);
   void carry_out(LiveClient& client, const PageRequest& request);
   void point(LiveClient& client, std::string_view bytes);
   void give_control(LiveClient* client);
@@ -123,6 +120,8 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   std::uint16_t port_ = 0;
   PageFile html_, script_, style_, icon_;
 
+  int connections_ = 0;  // outlives the handlers in context_, whose end it counts
+
   net::io_context context_{1};
   Acceptor acceptor_{context_};
   Timer frame_timer_{context_};
@@ -134,7 +133,6 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   std::thread thread_;
   bool is_stopping_ = false;
 
-  int connections_ = 0;
   std::vector<std::shared_ptr<LiveClient>> clients_;  // with and without token
   LiveClient* in_control_ = nullptr;
   Clock::time_point next_frame_;
@@ -144,7 +142,6 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   std::deque<TickSummary> ticks_;  // the newest
   std::uint64_t first_tick_ = 0;   // number of ticks_.front()
   std::vector<TickSummary> taken_;
-  std::vector<std::uint64_t> unused_;
   ViewState state_;
   std::vector<BodyPose> bodies_;
 };
@@ -182,6 +179,7 @@ void ViewServer::Network::start() {
   frame();
   check();
   thread_ = std::thread([this] { context_.run(); });
+  ::pthread_setname_np(thread_.native_handle(), "palpate-network");  // as top and ps show it
 }
 
 void ViewServer::Network::stop() {
@@ -280,7 +278,7 @@ void ViewServer::Network::on_message(LiveClient& client, std::string_view bytes,
     if (!request || request->kind != PageRequest::Kind::kToken || !token_.equals(request->token)) {
       return client.close(kWrongToken, "the token is missing or wrong");
     }
-    return admit(client, *request);
+    return admit(client);
   }
   if (!request) {
     if (!id) return client.close(kPolicy, request.error().to_string());
@@ -294,7 +292,7 @@ std::size_t ViewServer::Network::admitted() const {
       std::count_if(clients_.begin(), clients_.end(), [](const auto& c) { return c->has_token; }));
 }
 
-void ViewServer::Network::admit(LiveClient& client, const PageRequest& /*request*/) {
+void ViewServer::Network::admit(LiveClient& client) {
   if (admitted() >= ServerLimits::kClients) {
     return client.close(kTryAgainLater, "eight pages are open; close one");
   }

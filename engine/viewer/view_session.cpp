@@ -154,7 +154,7 @@ void ViewSession::stop() {
 }
 
 bool ViewSession::newest(ViewState& state, std::vector<BodyPose>& bodies) {
-  if (!publisher_.newest(state, bodies)) return false;
+  if (!publisher_.newest(session_, state, bodies)) return false;
   if (is_paused_) state.flags |= kViewPaused;
   return true;
 }

@@ -1,22 +1,23 @@
 #pragma once
 
 // A client of the server of `view` that sends what the test wants, right or wrong. Not built on the
-// server's library, so that a mistake of that library does not hide itself.
+// server's library, so that a mistake of that library does not hide itself. A connection that
+// cannot be made, and a server that neither answers nor closes, throw std::runtime_error.
 
 #include <arpa/inet.h>
+#include <cerrno>
 #include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <netinet/in.h>
 #include <optional>
 #include <poll.h>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <sys/socket.h>
 #include <unistd.h>
 #include <utility>
-
-#include <gtest/gtest.h>
 
 namespace palpate::test {
 
@@ -31,8 +32,9 @@ class RawClient {
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    is_open_ = ::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-    EXPECT_TRUE(is_open_) << std::strerror(errno);
+    if (::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
+      throw std::runtime_error(std::string("no connection: ") + std::strerror(errno));
+    }
   }
   ~RawClient() {
     if (socket_ >= 0) ::close(socket_);
@@ -40,9 +42,7 @@ class RawClient {
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
   RawClient(RawClient&& other) noexcept
-      : socket_(std::exchange(other.socket_, -1)),
-        is_open_(other.is_open_),
-        input_(std::move(other.input_)) {}
+      : socket_(std::exchange(other.socket_, -1)), input_(std::move(other.input_)) {}
 
   // Returns false if the server has closed the connection.
   bool send(std::string_view bytes) {
@@ -65,8 +65,7 @@ class RawClient {
     pollfd waiting{socket_, POLLIN, 0};
     const int timeout_ms = static_cast<int>(std::chrono::milliseconds(kPatience).count());
     if (::poll(&waiting, 1, timeout_ms) <= 0) {
-      ADD_FAILURE() << "the server neither answered nor closed the connection";
-      return false;
+      throw std::runtime_error("the server neither answered nor closed the connection");
     }
     char bytes[16384];
     const ssize_t n = ::recv(socket_, bytes, sizeof bytes, 0);
@@ -110,7 +109,6 @@ class RawClient {
 
  private:
   int socket_;
-  bool is_open_ = false;
   std::string input_;
 };
 
@@ -157,7 +155,7 @@ class WebSocketClient {
     const std::string host = "127.0.0.1:" + std::to_string(port);
     raw.send(handshake(host, "http://" + host));
     head = raw.read_until("\r\n\r\n").value_or("");
-    EXPECT_EQ(status_of(head), 101) << head;
+    if (status_of(head) != 101) throw std::runtime_error("no handshake: " + head);
   }
 
   // A masked frame, as clients must send it. The mask is zero, which is a mask, too.
@@ -209,8 +207,7 @@ class WebSocketClient {
         return message->bytes;
       }
     }
-    ADD_FAILURE() << "no text with " << part;
-    return {};
+    throw std::runtime_error("no text with " + std::string(part));
   }
 
   // The next binary message of this kind.
@@ -218,8 +215,7 @@ class WebSocketClient {
     while (const auto message = read()) {
       if (message->opcode == 2 && message->bytes[0] == kind) return message->bytes;
     }
-    ADD_FAILURE() << "no binary message of kind " << kind;
-    return {};
+    throw std::runtime_error("no binary message of kind " + std::to_string(kind));
   }
 
   // The code of the closing frame; 0: the connection ended without one.

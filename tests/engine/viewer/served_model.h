@@ -75,10 +75,10 @@ class RememberingModel final : public ViewModel {
   int let_goes_ = 0;
 };
 
-// A running server with a page of three short files.
+// A running server with a page of four short files.
 struct ServedModel {
   explicit ServedModel(ServerSettings settings = {}) {
-    const PageFiles page{"<!doctype html>the page", "the script", "the style"};
+    const PageFiles page{"<!doctype html>the page", "the script", "the style", "the icon"};
     auto listening = ViewServer::listen(settings, page, model);
     EXPECT_TRUE(listening.ok()) << listening.error().to_string();
     server = std::move(*listening);
