@@ -2,8 +2,8 @@
 
 import {
   AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, Fog, Group,
-  LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Quaternion,
-  Scene, ShadowMaterial, Vector3, WireframeGeometry,
+  LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  PlaneGeometry, Quaternion, Scene, ShadowMaterial, Vector3, WireframeGeometry,
 } from "three";
 
 import type { Display } from "./display.ts";

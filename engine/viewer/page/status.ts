@@ -67,11 +67,13 @@ export class StatusPanel {
     const delta = status.missed - this.missed;
     this.missed = status.missed;
     write("missed", delta > 0 ? `${count(status.missed)} (+${count(delta)})` : count(status.missed));
-    write("step", `${status.step_p50_us.toFixed(1)} \u00b5s, longest ${status.step_max_us.toFixed(0)} \u00b5s`);
+    const { step_p50_us: median_us, step_max_us: longest_us } = status;
+    write("step", `${median_us.toFixed(1)} \u00b5s, longest ${longest_us.toFixed(0)} \u00b5s`);
     write("late", `${count(status.late_p999_us)} \u00b5s`);
     write("trips", count(status.trips));
     write("faults", faultsInWords(status.faults) || "none");
-    this.notice("trip-notice", status.trip ? `Tripped: ${status.trip}. The force stays zero until you rearm.` : "");
+    this.notice("trip-notice", status.trip
+      ? `Tripped: ${status.trip}. The force stays zero until you rearm.` : "");
     write("clients", count(status.clients));
   }
 

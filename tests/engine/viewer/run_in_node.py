@@ -55,10 +55,13 @@ def browser(node, project, build, script, programs, is_test=True):
     require(build / "page/page.js", "the page")
     only = os.environ.get("PALPATE_ONLY")  # runs the tests whose names match
     pattern = [f"--test-name-pattern={only}"] if only else []
-    return run(node, *(["--test", *pattern] if is_test else []), script, env={
-        **os.environ, "PALPATE_CHROMIUM": chromium, "PALPATE_DRIVER": str(packages),
+    os.environ.update({
+        "PALPATE_CHROMIUM": chromium, "PALPATE_DRIVER": str(packages),
         "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(programs),
         "PALPATE_PICTURES": str(build / "page_pictures")})
+    # Replaces this process, so that a signal reaches the test, which ends its programs.
+    sys.stdout.flush()
+    os.execv(node, [node, *(["--test", *pattern] if is_test else []), str(script)])
 
 
 def main():

@@ -74,10 +74,17 @@ export function untilDrawn(page) {
   return until(page, () => window.palpate?.bodies() > 0 && window.palpate.drawnTick() >= 0);
 }
 
+// No program outlives the test.
+const children = new Set();
+process.once("exit", () => children.forEach((child) => child.kill("SIGKILL")));
+for (const signal of ["SIGINT", "SIGTERM"]) process.once(signal, () => process.exit(1));
+
 // A program that prints the address of a page in a line. ask(command) sends a line and waits for the
 // next one.
 export async function startProgram(program, args) {
   const child = spawn(program, args, { stdio: ["pipe", "pipe", "inherit"] });
+  children.add(child);
+  child.once("exit", () => children.delete(child));
   const lines = createInterface({ input: child.stdout })[Symbol.asyncIterator]();
   let address = null;
   while (!address) {

@@ -244,7 +244,10 @@ test("pause holds the ticks, and start brings the hand back", async () => {
     await until(page, () => window.palpate.state().isPaused && window.palpate.status().paused);
     const { tick } = (await state(page)).record;
     await page.keyboard.press("Space");
-    await until(page, (n) => !window.palpate.state().isPaused && window.palpate.state().record.tick > n, tick);
+    await until(page, (n) => {
+      const { isPaused, record } = window.palpate.state();
+      return !isPaused && record.tick > n;
+    }, tick);
     await press(page, [-0.12, 0.05, 0]);
     await page.mouse.up();
     await page.keyboard.press("s");
@@ -394,7 +397,8 @@ test("without WebGL the page says so and shows numbers and charts", async () => 
     const plain = await openBrowser(false);
     const page = await openPage(plain, server.address);
     await page.locator("#no-webgl").filter({ hasText: "no WebGL" }).waitFor();
-    await until(page, () => window.palpate.state()?.record.tick > 0 && window.palpate.points("force_N")[0].length > 0);
+    await until(page, () =>
+      window.palpate.state()?.record.tick > 0 && window.palpate.points("force_N")[0].length > 0);
     await page.locator("#rate").filter({ hasText: "Hz" }).waitFor();
     assertClean(page);
     await plain.close();

@@ -10,7 +10,9 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { assertClean, kPrograms, kProject, openBrowser, openPage, startProgram, until, untilDrawn } from "./chromium.mjs";
+import {
+  assertClean, kPrograms, kProject, openBrowser, openPage, startProgram, until, untilDrawn,
+} from "./chromium.mjs";
 import { animatedWebp } from "./webp.mjs";
 
 const kWidth = 840; // beyond the width at which the page puts its numbers over the view
@@ -73,7 +75,10 @@ async function record(page, act) {
     if (isKept) last_s = time_s;
     return isKept;
   });
-  return kept.map((frame, i) => ({ ...frame, duration_ms: 1000 * ((kept[i + 1]?.time_s ?? end_s) - frame.time_s) }));
+  return kept.map((frame, i) => {
+    const next_s = kept[i + 1]?.time_s ?? end_s;
+    return { ...frame, duration_ms: 1000 * (next_s - frame.time_s) };
+  });
 }
 
 // Moves the mouse along a straight line in the top view, at the speed of a hand.

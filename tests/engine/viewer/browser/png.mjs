@@ -36,7 +36,8 @@ export function readPng(bytes) {
   const parts = [];
   for (let at = 8; at < bytes.length;) {
     const size = bytes.readUInt32BE(at);
-    if (bytes.toString("latin1", at + 4, at + 8) === "IDAT") parts.push(bytes.subarray(at + 8, at + 8 + size));
+    const isData = bytes.toString("latin1", at + 4, at + 8) === "IDAT";
+    if (isData) parts.push(bytes.subarray(at + 8, at + 8 + size));
     at += size + 12;
   }
   const data = unfilter(inflateSync(Buffer.concat(parts)), height, width * channels, channels);

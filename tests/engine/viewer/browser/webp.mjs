@@ -15,7 +15,8 @@ function pixelChunks(picture) {
   for (let at = 12; at + 8 <= picture.length;) {
     const name = picture.toString("latin1", at, at + 4);
     const size = picture.readUInt32LE(at + 4);
-    if (["VP8 ", "VP8L", "ALPH"].includes(name)) parts.push(chunk(name, picture.subarray(at + 8, at + 8 + size)));
+    const isOfPixels = ["VP8 ", "VP8L", "ALPH"].includes(name);
+    if (isOfPixels) parts.push(chunk(name, picture.subarray(at + 8, at + 8 + size)));
     at += 8 + size + (size % 2);
   }
   return Buffer.concat(parts);
