@@ -11,7 +11,7 @@ const driver = await import(pathToFileURL(join(process.env.PALPATE_DRIVER, "inde
 
 export const kProject = process.env.PALPATE_PROJECT;
 export const kPrograms = process.env.PALPATE_PROGRAMS.split(":");
-export const kStep_ms = 60_000; // only ends a test that hangs
+export const kStep_ms = 240_000; // only ends a test that hangs
 
 // All flags of Chromium: software drawing, and no name is resolved but loopback.
 const kFlags = [
@@ -28,6 +28,7 @@ const kFlagsWithoutWebgl = ["--disable-gpu", "--disable-3d-apis", "--disable-sof
 // Starts Chromium. hasWebgl false: without WebGL.
 export function openBrowser(hasWebgl = true) {
   return driver.chromium.launch({
+    timeout: kStep_ms,
     executablePath: process.env.PALPATE_CHROMIUM,
     args: hasWebgl ? kFlags : [...kFlags.filter((flag) => !/swiftshader|angle/.test(flag)),
                                ...kFlagsWithoutWebgl],
@@ -38,7 +39,7 @@ export function openBrowser(hasWebgl = true) {
 // the content security policy and requests that leave loopback.
 export async function openPage(browser, address, options = {}) {
   const context = await browser.newContext({
-    viewport: options.viewport ?? { width: 1280, height: 800 },
+    viewport: options.viewport ?? { width: 1000, height: 640 }, // drawn in software
     colorScheme: options.theme ?? "light",
   });
   const page = await context.newPage();
@@ -54,7 +55,7 @@ export async function openPage(browser, address, options = {}) {
   });
   await page.addInitScript(() => addEventListener("securitypolicyviolation", (event) =>
     console.error(`policy: ${event.violatedDirective} ${event.blockedURI}`)));
-  await page.goto(address);
+  await page.goto(address, { timeout: kStep_ms });
   page.complaints = complaints;
   return page;
 }
@@ -67,6 +68,11 @@ export function assertClean(page, expected = /^$/) {
 // Waits until the function is true in the page.
 export function until(page, predicate, argument) {
   return page.waitForFunction(predicate, argument, { timeout: kStep_ms, polling: 20 });
+}
+
+// Waits until the page receives states.
+export function untilLive(page) {
+  return until(page, () => window.palpate?.isLive() && window.palpate.state() !== null);
 }
 
 // Waits until the page draws the scene.

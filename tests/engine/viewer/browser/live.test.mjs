@@ -7,7 +7,7 @@ import { after, before, test } from "node:test";
 
 import {
   assertClean, kPrograms, kProject, openBrowser, openPage, pictureFolder, startProgram, until,
-  untilDrawn,
+  untilDrawn, untilLive,
 } from "./chromium.mjs";
 import { openLine } from "./cut_line.mjs";
 
@@ -327,7 +327,7 @@ test("closing a page lets go, and a watching page can take control", async () =>
     const first = await openPage(browser, server.address);
     await untilDrawn(first);
     const second = await openPage(browser, server.address);
-    await untilDrawn(second);
+    await untilLive(second);
     await second.locator("#watch-notice").waitFor();
     assert.ok(await second.locator('[data-setting="a4"]').isDisabled());
     await press(first, [-0.12, 0.03, 0]);
@@ -335,7 +335,8 @@ test("closing a page lets go, and a watching page can take control", async () =>
     await first.context().close();
     await until(second, () => !window.palpate.state().isHeld);
     const third = await openPage(browser, server.address);
-    await untilDrawn(third);
+    await untilLive(third);
+    await until(third, () => window.palpate.status() !== null);
     const watcher = (await third.locator("#watch-notice").isVisible()) ? third : second;
     await watcher.getByRole("button", { name: "Take control" }).click();
     await until(watcher, () => window.palpate.status().control);
