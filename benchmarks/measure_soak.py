@@ -29,7 +29,7 @@ SCAN = ["scan", "0.00091"]  # 1.25 million triangles, with noise and holes
 SOAKS = {
     "sphere_1kHz": (SPHERE, 1000, 20.0),
     "sphere_10kHz": (SPHERE, 10000, 5.0),
-    "scan_1kHz": (SCAN, 1000, 5.0),
+    "scan_1kHz": (SCAN, 1000, 2.0),
     "scan_10kHz": (SCAN, 10000, 2.0),
 }
 RUNS = 3
