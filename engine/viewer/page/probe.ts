@@ -31,7 +31,7 @@ export function publishProbe(parts: ProbeParts): void {
       view?.camera.metresPerPixel(new Vector3(x, y, z)) ?? NaN,
     pictures: () => view?.pictures ?? 0,
     drawnTick: () => view?.drawnTick ?? -1,
-    bodies: () => view?.bodies ?? 0,
+    drawnBodies: () => view?.drawnBodies ?? 0,
     isSoftware: () => view?.isSoftware ?? false,
     setting: (name: string) => parts.settings.valueOf(name),
     points: (line: "angle_deg" | "force_N" | "fullForce_N") => parts.charts.points([line]),
@@ -40,7 +40,7 @@ export function publishProbe(parts: ProbeParts): void {
       view: view.camera.camera.matrixWorldInverse.toArray(),
       projection: view.camera.camera.projectionMatrix.toArray(),
       isTopView: view.camera.isTopView,
-      mode: view.mode,
+      mode: view.drawnMode,
     },
     pixelOf: (x: number, y: number, z: number) => view?.camera.pixelOf(new Vector3(x, y, z)),
     setFlat: (isFlat: boolean) => {

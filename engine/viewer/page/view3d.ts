@@ -39,10 +39,13 @@ export class View3d {
   private isDirty = true;
   private needsFit = true;
   private isFlat = false;
+  private bodies = 0; // that were loaded
   readonly isSoftware: boolean;
   pictures = 0; // drawn so far
-  drawnTick = -1; // of the newest picture
-  bodies = 0; // that were loaded
+  // Of the newest picture.
+  drawnTick = -1;
+  drawnBodies = 0;
+  drawnMode: DisplayMode = "classical";
 
   // Throws an Error if the browser has no WebGL.
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -162,6 +165,8 @@ export class View3d {
     this.renderer.render(this.felt.scene, this.view.camera);
     ++this.pictures;
     this.drawnTick = record.tick;
+    this.drawnBodies = this.bodies;
+    this.drawnMode = this.modeNow;
     return true;
   }
 

@@ -77,7 +77,7 @@ export function untilLive(page) {
 
 // Waits until the page draws the scene.
 export function untilDrawn(page) {
-  return until(page, () => window.palpate?.bodies() > 0 && window.palpate.drawnTick() >= 0);
+  return until(page, () => window.palpate?.drawnBodies() > 0 && window.palpate.drawnTick() >= 0);
 }
 
 // No program outlives the test.

@@ -64,6 +64,7 @@ async function record(page, act) {
     frames.push({ data, time_s: metadata.timestamp });
     void session.send("Page.screencastFrameAck", { sessionId });
   });
+  await page.waitForTimeout(500); // the first frames can be of an earlier layout
   await session.send("Page.startScreencast", { format: "jpeg", quality: 95 });
   await act();
   while (frames.at(-1).time_s - frames[0].time_s < kLength_s) await page.waitForTimeout(100);
@@ -71,7 +72,7 @@ async function record(page, act) {
   const end_s = frames[0].time_s + kLength_s;
   let last_s = -Infinity;
   const kept = frames.filter(({ time_s }) => {
-    const isKept = time_s < end_s && time_s - last_s >= kShortest_s;
+    const isKept = time_s > frames[0].time_s && time_s < end_s && time_s - last_s >= kShortest_s;
     if (isKept) last_s = time_s;
     return isKept;
   });
@@ -146,7 +147,7 @@ async function makeStar() {
 // Drags and wheels until the target of the hand is at a place of the device frame. pointer: where the
 // mouse is, with its button down.
 async function moveTarget(page, pointer, place_m) {
-  for (let round = 0; round < 8; ++round) {
+  for (let round = 0; round < 3; ++round) {
     const [right, up, ahead] = await page.evaluate((to) => {
       const { target_m, record, hasTarget } = window.palpate.state();
       const from = hasTarget ? target_m : record.device_m;
@@ -171,10 +172,17 @@ async function makeTorus() {
   const pointer = { x: 400, y: 400 };
   await page.mouse.move(pointer.x, pointer.y);
   await page.mouse.down();
-  await moveTarget(page, pointer, [-0.06, 0.035, 0.06]);
-  await moveTarget(page, pointer, [-0.06, 0.035, 0.024]);
+  await moveTarget(page, pointer, [-0.078, 0.04, 0.05]);
+  await moveTarget(page, pointer, [-0.078, 0.04, 0.008]);
   await until(page, () => window.palpate.state().record.contact === 1);
-  await page.waitForTimeout(2000); // a part of the turn
+  await until(page, () => {
+    const { alpha_rad, contact } = window.palpate.state().record;
+    return contact === 1 && alpha_rad < 0.1; // A4 has turned the wall to the motor
+  });
+  await moveTarget(page, pointer, (await page.evaluate(() => { // presses along the motor's axis
+    const [x, y, z] = window.palpate.state().record.device_m;
+    return [x + 0.04, y, z]; // the spring of the hand is soft
+  })));
   await page.screenshot({ path: join(folder, "torus.png") });
   console.log(await page.evaluate(() => {
     const { record } = window.palpate.state();

@@ -57,7 +57,10 @@ function pixelOf(camera, point) {
 async function show(program, page, mode, state) {
   await program.ask({ state });
   await until(page, (tick) => window.palpate.state()?.record.tick === tick, state.tick);
-  if ((await page.evaluate(() => window.palpate.camera().mode)) !== mode) await page.keyboard.press("c");
+  if ((await page.evaluate(() => window.palpate.camera().mode)) !== mode) {
+    await page.keyboard.press("c");
+    await until(page, (m) => window.palpate.camera().mode === m, mode);
+  }
   await page.keyboard.press("f"); // fits the camera to this state, in the next picture
   const before = await page.evaluate(() => window.palpate.pictures());
   await until(page, ([tick, n]) => window.palpate.drawnTick() === tick && window.palpate.pictures() > n,
