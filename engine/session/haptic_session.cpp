@@ -37,7 +37,8 @@ void HapticSession::stop() noexcept {
 
 void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns) noexcept {
   if (!is_running_.load(std::memory_order_relaxed)) return;
-  if (is_paused_.load(std::memory_order_relaxed)) [[unlikely]] return rest(dt_s);
+  if (is_paused_.load(std::memory_order_relaxed)) [[unlikely]]
+    return rest(dt_s);
   const DeviceSample& sample = governor_->begin_tick(device_.read(dt_s), {dt_s, late_ns, now_ns});
   take_motors();
   for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, loop_);
