@@ -55,8 +55,13 @@ export async function openPage(browser, address, options = {}) {
   });
   await page.addInitScript(() => addEventListener("securitypolicyviolation", (event) =>
     console.error(`policy: ${event.violatedDirective} ${event.blockedURI}`)));
-  await page.goto(address, { timeout: kStep_ms });
   page.complaints = complaints;
+  page.pending = new Set(); // requests without an answer
+  page.on("request", (request) => page.pending.add(request.url()));
+  for (const end of ["requestfinished", "requestfailed"]) {
+    page.on(end, (request) => page.pending.delete(request.url()));
+  }
+  await explained(page, page.goto(address, { timeout: kStep_ms }));
   return page;
 }
 
@@ -65,9 +70,19 @@ export function assertClean(page, expected = /^$/) {
   assert.deepEqual(page.complaints.filter((text) => !expected.test(text)), []);
 }
 
+// Adds to the error of a step what the page was waiting for and what it had complained of.
+async function explained(page, step) {
+  try {
+    return await step;
+  } catch (error) {
+    error.message += `\npending: ${[...page.pending].join(" ")}\n${page.complaints.join("\n")}`;
+    throw error;
+  }
+}
+
 // Waits until the function is true in the page.
 export function until(page, predicate, argument) {
-  return page.waitForFunction(predicate, argument, { timeout: kStep_ms, polling: 20 });
+  return explained(page, page.waitForFunction(predicate, argument, { timeout: kStep_ms, polling: 20 }));
 }
 
 // Waits until the page receives states.
