@@ -84,8 +84,9 @@ class HapticLoop {
 
   // Brings the code of a tick and the upper part of the search structures into the caches, so that
   // the first ticks are as fast as later ones. Changes nothing: a second loop, which this function
-  // creates, moves into the scene. Allocates: call it before the first tick.
-  void warm_up() const;
+  // creates, moves into the scene. Allocates: call it before the first tick. Does nothing if there
+  // is no memory for the second loop.
+  void warm_up() const noexcept;
 
   // Marks the sample of the next tick as bad, because the device did not sense it. That tick sets
   // kFaultInvalidSample.

@@ -28,7 +28,6 @@ namespace palpate {
 namespace {
 
 constexpr int kTripped = 3;
-constexpr std::uint64_t kMostCpu = 1023;
 
 // They describe the simulated hand and the device that it holds.
 constexpr std::array kHandOptions = {
@@ -82,7 +81,14 @@ nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const Device
   json["scale"] = prepared.scene.statistics().scale;
   json["runs"] = {run_json(shown, prepared.scene)};
   json["runs"][0]["reached_timing"] = reached_timing_json(prepared.setup, run.tick_times);
+  json["runs"][0]["reached_timing_ends_at"] = "driver";  // without the line to the device
   return json;
+}
+
+std::string timing_text(const RunSetup& setup, const TickTimes& times) {
+  const std::string reached = reached_timing_text(setup, times);
+  if (reached.empty()) return reached;
+  return reached + "that delay ends at the driver; these limits leave out the line to the device\n";
 }
 
 // What ended the run before its time; empty if nothing did.
@@ -105,9 +111,8 @@ int report_run(const RunRequest& request, const PreparedRun& prepared, const Dev
   } else {
     const std::string workspace = device_workspace_text(request.options.settings.device);
     std::cout << ending << run_heading(request, prepared, workspace)
-              << runs_text({shown}, prepared.scene)
-              << reached_timing_text(prepared.setup, run.tick_times) << device_text(facts, run)
-              << "trace in " << request.out_dir << "/\n";
+              << runs_text({shown}, prepared.scene) << timing_text(prepared.setup, run.tick_times)
+              << device_text(facts, run) << "trace in " << request.out_dir << "/\n";
   }
   const int code = finish_output(warnings);
   return exit_code_after_signals(code == 0 && run.governor.trips > 0 ? kTripped : code);
@@ -150,8 +155,7 @@ void add_motors(CLI::App& app, DeviceRequest& device) {
                "run a device that keeps its last force also where the system refuses SCHED_FIFO; "
                "trips are possible on a busy machine")
       ->group(kMotorGroup);
-  add_integer(app, "--cpu", device.cpu, {0, kMostCpu}, "the CPU on which the haptic thread stays")
-      ->group(kMotorGroup);
+  add_cpu(app, device.cpu)->group(kMotorGroup);
   app.add_flag("--no-guard", device.no_guard,
                "for tests: start no process that stops the motors when the program hangs or ends")
       ->group(kMotorGroup);
