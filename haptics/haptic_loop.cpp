@@ -132,6 +132,24 @@ void HapticLoop::set_actuation(const ActuationModel& actuation) noexcept {
   theoretical_rotation_.set_actuation(actuation);
 }
 
+void HapticLoop::set_a4(bool enabled) noexcept {
+  if (enabled == settings_.a4.enabled) return;
+  settings_.a4.enabled = enabled;
+  theoretical_rotation_.reset();
+}
+
+void HapticLoop::set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept {
+  settings_.coupling.stiffness_N_per_m = stiffness_N_per_m;
+  settings_.coupling.damping_Ns_per_m = damping_Ns_per_m;
+  coupling_.set(stiffness_N_per_m, damping_Ns_per_m);
+  if (effects_) effects_->set_coupling(stiffness_N_per_m, damping_Ns_per_m);
+}
+
+RigidTransform HapticLoop::T_scene_body(std::uint32_t body) const noexcept {
+  const RigidTransform& T_solver_body = god_object_.world().body(body).T_solver_body;
+  return {T_solver_body.rotation, world_->to_scene(T_solver_body.translation_m)};
+}
+
 // Runs before the hand's own motion: moving bodies push the proxy, within the plane of a planar
 // device.
 void HapticLoop::move_bodies() {

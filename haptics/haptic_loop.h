@@ -117,6 +117,22 @@ class HapticLoop {
   // bit, as constructing the loop with `actuation`. Call on the haptic thread.
   void set_actuation(const ActuationModel& actuation) noexcept;
 
+  // Turn A4 on or off; choose the part of the force that is commanded; set K and B of surfaces that
+  // declare none. They apply from the next tick on. A loop that is switched before its first tick
+  // equals, to the bit, a loop that was constructed with these settings. A4 chooses its direction
+  // anew when it is turned on, as in a new contact. The numbers must be such that check_settings()
+  // allows them. Call on the haptic thread.
+  void set_a4(bool enabled) noexcept;
+  void set_force(ForceMode force) noexcept { settings_.force = force; }
+  void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
+
+  // The bodies that have moved since the construction, and the pose of a body in the scene. Call on
+  // the haptic thread.
+  std::span<const std::uint32_t> moved_bodies() const noexcept {
+    return god_object_.world().moving();
+  }
+  RigidTransform T_scene_body(std::uint32_t body) const noexcept;
+
   // Replaces the parameters of one call of the world's effect program. parameters: all bytes of the
   // effect's Parameters, with values that the effect allows. Call on the haptic thread; other
   // threads use the engine's material_tuner.h.

@@ -94,6 +94,13 @@ class EffectRunner {
   // the runner.
   void set_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept;
 
+  // Sets K and B of surfaces that declare none. Call this function on the thread that owns the
+  // runner.
+  void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept {
+    coupling_.stiffness_N_per_m = stiffness_N_per_m;
+    coupling_.damping_Ns_per_m = damping_Ns_per_m;
+  }
+
   // Resets all effect states to their initial values.
   void reset_states() noexcept;
 

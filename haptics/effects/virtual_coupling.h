@@ -70,6 +70,12 @@ class VirtualCoupling {
     return rate;
   }
 
+  // Changes K and B, both finite and >= 0. The lags of the last ticks are kept.
+  void set(double stiffness_N_per_m, double damping_Ns_per_m) noexcept {
+    settings_.stiffness_N_per_m = stiffness_N_per_m;
+    settings_.damping_Ns_per_m = damping_Ns_per_m;
+  }
+
   // See coupling_force_N().
   Vec3 force_N(const Vec3& lag_m, const Vec3& damped_m_per_s, const Vec3& normal) const noexcept {
     return coupling_force_N(settings_, lag_m, damped_m_per_s, normal);
