@@ -37,6 +37,7 @@ void HapticSession::stop() noexcept {
 
 void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns) noexcept {
   if (!is_running_.load(std::memory_order_relaxed)) return;
+  if (is_paused_.load(std::memory_order_relaxed)) [[unlikely]] return rest(dt_s);
   const DeviceSample& sample = governor_->begin_tick(device_.read(dt_s), {dt_s, late_ns, now_ns});
   take_motors();
   for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, loop_);
@@ -58,6 +59,13 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
     if (has_tripped) observer->on_trip(governor_->status().trip);
     observer->on_tick(record);
   }
+}
+
+// A tick of a paused session.
+void HapticSession::rest(double dt_s) noexcept {
+  device_.read(dt_s);
+  device_.command({});
+  last_step_ns_ = 0;
 }
 
 // Takes the motors of a device whose motors turn.

@@ -100,12 +100,18 @@ class HapticSession {
   // The time from now_ns of tick(), on the monotonic clock, to the end of the device's command() in
   // the last tick; 0 in simulated time. Call it on the haptic thread.
   std::int64_t last_delay_ns() const noexcept { return last_delay_ns_; }
+  // While a session is paused, a tick reads the device and commands zero force, and does nothing
+  // else: the scene, the contact and the newest record stay. After a pause that is longer than
+  // GovernorLimits::kLateRestart_s, a device that moves motors begins with the governor's rule
+  // *start*. Any thread may call this function.
+  void set_paused(bool paused) noexcept { is_paused_.store(paused, std::memory_order_relaxed); }
   // Ends a trip of the governor. Any thread may call it between start() and stop().
   void rearm() noexcept {
     if (governor_) governor_->rearm();
   }
 
  private:
+  void rest(double dt_s) noexcept;
   void command(const TickRecord& record) noexcept;
   void take_motors() noexcept;
 
@@ -116,6 +122,7 @@ class HapticSession {
   std::int64_t last_step_ns_ = 0;
   std::int64_t last_delay_ns_ = 0;
   std::atomic<bool> is_running_{false};
+  std::atomic<bool> is_paused_{false};
   std::optional<SafetyGovernor> governor_;  // made by start()
   SnapshotRing<TickRecord> published_;
   SnapshotRing<GovernorStatus> published_status_;
