@@ -125,7 +125,9 @@ void HapticThread::run_tick(std::int64_t due_ns, double dt_s) {
 
 void HapticThread::add_late_tick(const TickCost& cost) {
   missed_deadlines_.fetch_add(1, std::memory_order_acq_rel);
-  ++times_.late_ticks[static_cast<std::size_t>(cause_of(cost))];
+  const LateCause cause = cause_of(cost);
+  ++times_.late_ticks[static_cast<std::size_t>(cause)];
+  session_.report_late(cause, cost);
   times_.late_log.add({ticks_.load(std::memory_order_relaxed) - 1, cost});
   const auto end_ns = [](const TickCost& c) { return c.late_ns + c.wall_ns; };
   if (end_ns(cost) > end_ns(times_.longest)) times_.longest = cost;
