@@ -15,7 +15,7 @@ constexpr std::int64_t kWideStep = 256;
 constexpr int kMostProbes = 1 << 15;
 
 // Inputs that repeat are compressed this much at most; more is the work of an attacker.
-constexpr std::uint64_t kMostInflation = 1000;
+constexpr std::uint64_t kMostInflation = 400;
 constexpr std::uint64_t kFreeInputBytes = std::uint64_t{64} << 20;
 
 }  // namespace

@@ -343,7 +343,7 @@ TEST(HostileRecording, WithEndlessChainsOfPagesEnds) {
   make_recording(whole, 60, random);
   const std::string bytes = whole_file(whole);
   const std::size_t pages = bytes.size() / 4096;
-  const int files = test::in_soak_or_else(3'000, 300);
+  const int files = test::in_soak_or_else(3'000, 60);
   int refused = 0;
   for (int n = 0; n < files; ++n) {
     std::string changed = bytes;
