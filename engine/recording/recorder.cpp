@@ -25,6 +25,10 @@ constexpr auto kTransactionEvery = std::chrono::milliseconds(250);
 // In virtual time, how often the recorder looks whether a block is full, and the session whether a
 // ring has space.
 constexpr auto kLookEvery = std::chrono::microseconds(500);
+// A log of 16 MiB is copied into the file, which takes a part of a second every few minutes. In
+// simulated time this happens only at the end, because the log would be full after each
+// transaction.
+constexpr int kLogPages = 4096;
 constexpr double kMostRows = 1 << 20;
 
 }  // namespace
@@ -104,6 +108,8 @@ void Recorder::State::close_block() {
 }
 
 void Recorder::State::take_ticks(std::chrono::steady_clock::time_point until) {
+  // What is there now is taken in any case: it may have waited during a slow transaction.
+  std::size_t waiting = ring.ticks();
   while (!error && ring.ticks() > 0) {
     const RecordedTick& front = ring.front();
     if (front.record.tick != next_tick) {
@@ -114,9 +120,10 @@ void Recorder::State::take_ticks(std::chrono::steady_clock::time_point until) {
     rows.push_back(front);
     next_tick = front.record.tick + 1;
     ring.take(static_cast<std::uint32_t>(rows.size() - 1), inputs);
+    if (waiting > 0) --waiting;
     if (rows.size() < kMostBlockTicks) continue;
     close_block();
-    if (std::chrono::steady_clock::now() >= until) return;
+    if (waiting == 0 && std::chrono::steady_clock::now() >= until) return;
   }
 }
 
@@ -148,7 +155,8 @@ void Recorder::State::write_start() {
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& path,
                                                    const RecordingMeta& meta,
                                                    const RecorderSettings& settings) {
-  auto file = RecordingFile::create(path, meta, settings.file_system);
+  auto file = RecordingFile::create(path, meta, settings.file_system,
+                                    settings.virtual_time ? 0 : kLogPages);
   if (!file) return file.error();
   try {
     auto state = std::make_unique<State>(std::move(*file), settings);
@@ -247,18 +255,17 @@ void Recorder::run() {
   State& state = *state_;
   const bool is_virtual = state.settings.virtual_time;
   bool must_end = false;
+  auto due = Clock::now();
   while (!must_end) {
-    const auto due = Clock::now() + kTransactionEvery;
+    // A transaction that took long is followed by the next one at once.
+    due = std::max(due + kTransactionEvery, Clock::now());
     state.fail(state.file.begin());
     while (!state.error && !must_end && Clock::now() < due) {
       must_end = state.wait(is_virtual ? std::min(due, Clock::now() + kLookEvery) : due);
       if (is_virtual) state.take_ticks(due);
     }
     if (!state.error) state.write_start();
-    // In real time at most one more transaction's time passes here.
-    if (!is_virtual || must_end) {
-      state.take_ticks(must_end ? Clock::time_point::max() : Clock::now() + kTransactionEvery);
-    }
+    if (!state.error) state.take_ticks(must_end ? Clock::time_point::max() : due);
     state.write_rest(is_virtual && !must_end);
     if (!state.error) state.write_events(must_end);
     if (!state.error) state.fail(state.file.commit());

@@ -134,11 +134,13 @@ RecordingFile& RecordingFile::operator=(RecordingFile&&) noexcept = default;
 RecordingFile::~RecordingFile() = default;
 
 Result<RecordingFile> RecordingFile::create(const std::string& path, const RecordingMeta& meta,
-                                            const char* file_system) {
+                                            const char* file_system, int log_pages) {
   if (auto error = create_empty(path)) return *error;
   RecordingFile file(std::make_unique<State>());
   file.state_->path = path;
   auto error = file.state_->open(file_system);
+  const std::string copying = "PRAGMA wal_autocheckpoint=" + std::to_string(log_pages);
+  if (!error) error = file.state_->run(copying.c_str());
   if (!error) error = file.begin();
   if (!error) error = file.set_meta(meta);
   if (!error) error = file.commit();

@@ -24,9 +24,10 @@ class RecordingFile {
  public:
   // Creates the file with its tables and `meta`. Returns an error if the file exists or cannot be
   // created; nothing is left then. file_system: SQLite's name of a file system layer, for tests;
-  // null: the usual one.
+  // null: the usual one. log_pages: the length of
+  // the log at which it is copied into the file; 0: only at the end.
   static Result<RecordingFile> create(const std::string& path, const RecordingMeta& meta,
-                                      const char* file_system = nullptr);
+                                      const char* file_system = nullptr, int log_pages = 0);
 
   RecordingFile(RecordingFile&&) noexcept;
   RecordingFile& operator=(RecordingFile&&) noexcept;

@@ -144,7 +144,7 @@ TEST(Crash, ARecordingIsRefusedWhileItsProcessLives) {
   auto& handed = *static_cast<Handed*>(memory);
   const pid_t child = ::fork();
   if (child == 0) record_until_killed(path, false, handed);
-  while (handed.ticks < 300) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  while (handed.ticks < 800) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   const auto reader = RecordingReader::open(path);
   EXPECT_FALSE(reader);
   if (!reader) {
