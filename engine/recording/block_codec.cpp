@@ -165,6 +165,11 @@ struct BlockDecoder::State {
 BlockDecoder::BlockDecoder() : state_(std::make_unique<State>()) {}
 BlockDecoder::~BlockDecoder() = default;
 
+std::size_t BlockDecoder::announced_input_bytes(std::span<const std::byte> inputs) {
+  const unsigned long long size = ZSTD_getFrameContentSize(inputs.data(), inputs.size());
+  return size <= kMostBlockInputBytes ? static_cast<std::size_t>(size) : 0;  // else: refused
+}
+
 Result<BlockContent> BlockDecoder::decode(std::int64_t first_tick, std::int64_t ticks,
                                           std::span<const std::byte> columns,
                                           std::span<const std::byte> inputs) {

@@ -61,6 +61,9 @@ class BlockDecoder {
  public:
   BlockDecoder();
   ~BlockDecoder();
+  // The content size that an inputs frame announces, at most kMostBlockInputBytes; 0 if it has
+  // none.
+  static std::size_t announced_input_bytes(std::span<const std::byte> inputs);
   // ticks: as the file states it. Error::element is "columns" or "inputs".
   Result<BlockContent> decode(std::int64_t first_tick, std::int64_t ticks,
                               std::span<const std::byte> columns,

@@ -53,10 +53,10 @@ std::optional<std::int64_t> BlockWalk::find_reachable(std::int64_t from) const {
   return std::nullopt;
 }
 
-// Sums up what was read. An honest file holds all its frames.
-bool BlockWalk::is_too_much(const RecordedBlock& frames, const BlockContent& content) {
+// Sums up what is read, before it is decompressed. An honest file holds all its frames.
+bool BlockWalk::is_too_much(const RecordedBlock& frames) {
   frame_bytes_ += frames.columns.size() + frames.inputs.size();
-  input_bytes_ += content.input_bytes.size();
+  input_bytes_ += BlockDecoder::announced_input_bytes(frames.inputs);
   return frame_bytes_ > reader_.bytes() ||
          input_bytes_ > kFreeInputBytes + kMostInflation * reader_.bytes();
 }
@@ -81,13 +81,13 @@ WalkStep BlockWalk::next() {
   if (!has_ended_) search_from_ = first_tick + 1;
   auto frames = reader_.block(first_tick);
   if (!frames) return broken(first_tick, frames.error());
-  auto content = decoder_.decode(first_tick, frames->ticks, frames->columns, frames->inputs);
-  if (!content) return broken(first_tick, content.error());
-  if (is_too_much(*frames, *content)) {
+  if (is_too_much(*frames)) {
     has_ended_ = true;
     return broken(first_tick, {ErrorCode::kLimitExceeded, "", "",
                                "holds, with those before it, more than the file can", ""});
   }
+  auto content = decoder_.decode(first_tick, frames->ticks, frames->columns, frames->inputs);
+  if (!content) return broken(first_tick, content.error());
   if (first_tick < next_tick_) {
     return broken(first_tick,
                   {ErrorCode::kInvalidContent, "", "", "repeats ticks of the block before it", ""});

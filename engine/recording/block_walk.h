@@ -41,7 +41,7 @@ class BlockWalk {
  private:
   WalkStep broken(std::int64_t first_tick, Error error) const;
   std::optional<std::int64_t> find_reachable(std::int64_t from) const;
-  bool is_too_much(const RecordedBlock& frames, const BlockContent& content);
+  bool is_too_much(const RecordedBlock& frames);
 
   const RecordingReader& reader_;
   BlockDecoder decoder_;

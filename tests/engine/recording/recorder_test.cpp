@@ -173,7 +173,7 @@ TEST(Recorder, CountsTheTicksThatItDrops) {
   const RecordingResult result = recorder->finish("end");
   FaultLayer::heal();
   ASSERT_FALSE(result.error) << result.error->to_string();
-  EXPECT_GT(result.dropped, 100u);
+  EXPECT_GT(result.dropped, 0u);
   const ReadBack back = read_back(path);
   EXPECT_EQ(back.rows.size() + result.dropped, kTicks);
   EXPECT_EQ(back.inputs[static_cast<std::size_t>(InputKind::kA4)], back.rows.size());
