@@ -27,25 +27,81 @@ install_missing_packages() {
       missing+=("$package")
   done
   ((${#missing[@]})) || return 0
+  install_packages "${missing[@]}"
+}
 
+# install_packages PACKAGE...: installs the Debian packages, without recommended ones.
+install_packages() {
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null || {
-      say "packages are missing: ${missing[*]}; run this script as root, or install sudo"
+      say "packages are missing: $*; run this script as root, or install sudo"
       return 1
     }
     as_root=(sudo)
   fi
-  say "installing ${missing[*]} (a few minutes the first time)"
+  say "installing $* (a few minutes the first time)"
   local log
   log=$(mktemp)
   if ! { "${as_root[@]}" apt-get update &&
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-      apt-get install -y --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
+      apt-get install -y --no-install-recommends "$@"; } >"$log" 2>&1; then
     cat "$log" >&2
-    say "apt-get could not install ${missing[*]}; see its output above"
+    say "apt-get could not install $*; see its output above"
     return 1
   fi
+  rm -f "$log"
+}
+
+# need_npm: installs the command npm if it is missing. The command is asked for and not the package:
+# where Node came with an npm of its own, Debian's package conflicts with it.
+need_npm() {
+  command -v npm >/dev/null && return 0
+  say "npm is missing: installing Debian's, which has 355 packages with Node and takes some minutes"
+  install_packages npm
+}
+
+# fetch_packages NAME FOLDER: fetches the npm packages that the project's FOLDER names, into
+# build/NAME. Returns at once if they are there. Scripts of packages are not run.
+fetch_packages() {
+  local target=$palpate_root/build/$1 source=$palpate_root/$2 log
+  if [ -e "$target/node_modules/.package-lock.json" ] &&
+    cmp -s "$source/package-lock.json" "$target/package-lock.json"; then
+    return 0
+  fi
+  need_npm || return 1
+  say "fetching the packages of $2 (up to a minute)"
+  rm -rf "$target"
+  mkdir -p "$target"
+  cp "$source/package.json" "$source/package-lock.json" "$source/.npmrc" "$target"
+  log=$(mktemp)
+  if ! (cd "$target" && npm ci --ignore-scripts --no-audit --no-fund --no-update-notifier) \
+    >"$log" 2>&1; then
+    cat "$log" >&2
+    rm -rf "$log" "$target"
+    say "npm could not fetch the packages of $2; see its output above"
+    return 1
+  fi
+  rm -f "$log"
+}
+
+# prepare_viewer PRESET: fetches what the page of `palpate view` is bundled from, and configures the
+# preset with it.
+prepare_viewer() {
+  local build=$palpate_root/build/$1
+  fetch_packages page_packages engine/viewer/page || return 1
+  if [ "$build/build.ninja" -nt "$palpate_root/build/page_packages/node_modules" ] &&
+    grep -q '^PALPATE_VIEWER:BOOL=ON$' "$build/CMakeCache.txt"; then
+    return 0
+  fi
+  say "configuring $1 with the viewer"
+  local log
+  log=$(mktemp)
+  (cd "$palpate_root" && cmake --preset "$1" -DPALPATE_VIEWER=ON) >"$log" 2>&1 || {
+    cat "$log" >&2
+    rm -f "$log"
+    return 1
+  }
   rm -f "$log"
 }
 

@@ -3,25 +3,47 @@
 # PRESET=debug ./test.sh uses the debug build. PRESET=asan builds and runs only the tests labelled
 # memory, which cover all code that processes files or device input from outside. PRESET=tsan builds
 # and runs only the tests labelled rt, which cover all code that uses threads. PRESET=fuzz fuzzes the
-# glTF reader for 30 s, or for PALPATE_FUZZ_SECONDS; arguments are then passed to libFuzzer.
+# glTF reader for 30 s, the conversation with a hAPI board for 15 s, and what a page of `view` sends
+# for 15 s. PALPATE_FUZZ_SECONDS sets the time of each; PALPATE_FUZZ_TARGET selects one, gltf,
+# hapi_link or page; arguments are passed to libFuzzer.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
-# Starts fuzzing with the seeds of the project and the corpus of earlier runs.
+# fuzz TARGET SECONDS ARGUMENT...: fuzzes, beginning with the inputs of earlier runs.
+fuzz() {
+  local target=$1 seconds=${PALPATE_FUZZ_SECONDS:-$2} build=$palpate_root/build/fuzz
+  shift 2
+  say "fuzzing ($target); inputs that fail are saved in $build as crash-..., timeout-... and so on"
+  "$build/fuzz_$target" -max_total_time="$seconds" -timeout=5 -artifact_prefix="$build/" \
+    -print_final_stats=1 -print_funcs=0 -verbosity=0 "$@"
+}
+# Starts with the seeds of the project as well.
 fuzz_gltf() {
   local build=$palpate_root/build/fuzz
   "$build/make_fuzz_seeds" "$build/seeds"
   mkdir -p "$build/corpus"
-  say "fuzzing; inputs that fail are saved in $build as crash-..., timeout-... and so on"
-  "$build/fuzz_gltf" -max_total_time="${PALPATE_FUZZ_SECONDS:-30}" -timeout=5 -rss_limit_mb=2048 \
-    -max_len=16384 -dict="$palpate_root/tests/io/gltf/gltf.dict" -artifact_prefix="$build/" \
-    -print_final_stats=1 -print_funcs=0 -verbosity=0 "$@" "$build/corpus" "$build/seeds"
+  fuzz gltf 30 -rss_limit_mb=2048 -max_len=16384 -dict="$palpate_root/tests/io/gltf/gltf.dict" \
+    "$@" "$build/corpus" "$build/seeds"
+}
+fuzz_hapi_link() {
+  local corpus=$palpate_root/build/fuzz/corpus_hapi_link
+  mkdir -p "$corpus"
+  fuzz hapi_link 15 -max_len=1024 "$@" "$corpus"
+}
+# Starts from an empty corpus: the messages of a page are short.
+fuzz_page() {
+  local corpus=$palpate_root/build/fuzz/corpus_page
+  mkdir -p "$corpus"
+  fuzz page 15 -rss_limit_mb=2048 -max_len=4096 \
+    -dict="$palpate_root/tests/engine/viewer/page.dict" "$@" "$corpus"
 }
 
 preset=${PRESET:-release}
 if [ "$preset" = fuzz ]; then
   install_missing_packages "${palpate_fuzz_packages[@]}"
-  build_preset fuzz fuzz_gltf make_fuzz_seeds
-  fuzz_gltf "$@"
+  build_preset fuzz fuzz_gltf fuzz_hapi_link fuzz_page make_fuzz_seeds
+  for target in ${PALPATE_FUZZ_TARGET:-gltf hapi_link page}; do
+    "fuzz_$target" "$@"
+  done
   exit
 fi
 install_missing_packages

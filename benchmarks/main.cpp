@@ -130,6 +130,7 @@ int main(int argc, char** argv) {
   palpate::bench::register_worst_benchmarks(*largest > 5);
   palpate::bench::register_instance_benchmarks(counts);
   palpate::bench::register_side_test_benchmarks();
+  palpate::bench::register_governor_benchmarks();
   if (options.accuracy) {
     options.accuracy->seed = options.seed;
     palpate::bench::register_accuracy_benchmarks(*options.accuracy);

@@ -37,6 +37,9 @@ void register_worst_benchmarks(bool is_large);
 // tick_sliding_with_<effect>/<triangles>.
 void register_effect_benchmarks(int subdivisions, const SampleCounts& counts);
 
+// Once for all sizes: governor/<device>, governor/heartbeat and governor/attribution.
+void register_governor_benchmarks();
+
 // Once for all sizes: accuracy_<knob>/<method>/<level>, every level of every knob. Adds the
 // conditions of the measurement to the context of the results.
 void register_accuracy_benchmarks(const MeasurementEffort& effort);

@@ -21,6 +21,7 @@ import accuracy_results  # noqa: E402
 import experiment_results  # noqa: E402
 import groove_figure  # noqa: E402
 import result_tables as tables  # noqa: E402
+import soak_results  # noqa: E402
 from result_tables import BadInput  # noqa: E402
 
 README = pathlib.PurePath("README.md")
@@ -145,11 +146,13 @@ def blocks_of(root, machines):
     """{document: {block: text}}."""
     objects = tables.read_objects(root / "benchmarks/results/paper_objects/objects.json")
     experiment = experiment_results.read(root / "benchmarks/results/experiment")
+    soaks = soak_results.read(root / "benchmarks/results/soak")
     newest = max(machines, key=lambda machine: machine.context["date"])
     return {
         README: {"a4": a4_block(objects), "headline": headline_block(newest),
                  "experiment": experiment_results.block(experiment)},
-        RESULTS: {"objects": tables.objects_table(objects), **machine_blocks(machines, root)},
+        RESULTS: {"objects": tables.objects_table(objects), "soaks": soak_results.block(soaks),
+                  **machine_blocks(machines, root)},
     }
 
 

@@ -34,12 +34,26 @@ MotorLimits::MotorLimits(std::span<const MotorDescription> motors) noexcept {
         parts[i] += along;
       }
     }
-    if (!(rest.norm() > kLeastSine)) continue;
-    parts[count_] = rest.norm();
+    const double sine = rest.norm();
+    if (!(sine > kLeastSine)) continue;
+    parts[count_] = sine;
     to_basis_.col(count_) = parts;
-    basis_[static_cast<std::size_t>(count_)] = rest / rest.norm();
+    basis_[static_cast<std::size_t>(count_)] = rest / sine;
     peak_N_[static_cast<std::size_t>(count_)] = motor.peak_force_N;
     ++count_;
+  }
+  find_harmless();
+}
+
+// Bounds each motor's share of a force of length 1, by the sums that scale() computes.
+void MotorLimits::find_harmless() noexcept {
+  Vec3 share = Vec3::Zero();
+  for (int i = count_ - 1; i >= 0; --i) {
+    double most = 1.0;
+    for (int j = i + 1; j < count_; ++j) most += std::abs(to_basis_(i, j)) * share[j];
+    share[i] = most / to_basis_(i, i);
+    const double peak_N = peak_N_[static_cast<std::size_t>(i)];
+    if (peak_N > 0.0) harmless_N_ = std::min(harmless_N_, 0.5 * peak_N / share[i]);
   }
 }
 
@@ -49,11 +63,19 @@ Vec3 MotorLimits::part(const Vec3& force_N) const noexcept {
     const Vec3& axis = basis_[static_cast<std::size_t>(i)];
     part += axis.dot(force_N) * axis;
   }
-  const bool is_in_span = (force_N - part).norm() <= kSpanRounding * force_N.norm();
-  return is_in_span ? force_N : part;
+  const Vec3 rest_N = force_N - part;
+  // Squares decide the clear cases without roots. Where they could underflow, they do not count.
+  const double limit2 = kSpanRounding * kSpanRounding * force_N.squaredNorm();
+  if (limit2 > std::numeric_limits<double>::min()) {
+    const double rest2 = rest_N.squaredNorm();
+    if (rest2 < 0.25 * limit2) return force_N;
+    if (rest2 > 4.0 * limit2) return part;
+  }
+  return rest_N.norm() <= kSpanRounding * force_N.norm() ? force_N : part;
 }
 
 double MotorLimits::scale(const Vec3& force_N) const noexcept {
+  if (force_N.squaredNorm() < harmless_N_ * harmless_N_) return 1.0;
   double scale = 1.0;
   Vec3 motor_N = Vec3::Zero();
   for (int i = count_ - 1; i >= 0; --i) {

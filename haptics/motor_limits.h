@@ -3,6 +3,7 @@
 // The forces that a device's motors can push.
 
 #include <array>
+#include <limits>
 #include <span>
 
 #include "geometry/base/types.h"
@@ -30,9 +31,14 @@ class MotorLimits {
   double scale(const Vec3& force_N) const noexcept;
 
  private:
+  void find_harmless() noexcept;
+
   int count_ = 0;
   std::array<Vec3, 3> basis_;  // orthonormal, by Gram and Schmidt
   std::array<double, 3> peak_N_{};
+  // No motor can exceed half of its peak force under a force shorter than this; the half is far
+  // more than rounding.
+  double harmless_N_ = std::numeric_limits<double>::infinity();
   Mat3 to_basis_ = Mat3::Identity();  // upper triangular: motor j is sum_i to_basis_(i, j) basis_i
 };
 

@@ -38,9 +38,18 @@ std::span<const MotorDescription> motors_of(const DeviceDescription& device) {
           std::clamp(device.motor_count, 0, static_cast<int>(device.motors.size()))));
 }
 
+// True if a vector is so clearly shorter than a limit that rounding cannot matter. It saves a root
+// in the ticks in which no rule acts.
+bool is_far_below(const Vec3& v, double limit) {
+  return v.squaredNorm() < 0.25 * limit * limit;
+}
+
 // The factor that shortens a force of this length to a limit, at most 1.
 double factor_to(double limit_N, double length_N) {
   return length_N > limit_N ? kBelow * limit_N / length_N : 1.0;
+}
+double factor_to(double limit_N, const Vec3& force_N) {
+  return is_far_below(force_N, limit_N) ? 1.0 : factor_to(limit_N, force_N.norm());
 }
 
 // Sets a rule's bit if its factor reduces the force.
@@ -68,6 +77,7 @@ SafetyGovernor::SafetyGovernor(const DeviceDescription& device, double clamp_N) 
       workspace_high_m_(device.workspace_high_m),
       sensed_axes_(device.sensed_axes),
       motors_(motors_of(device)) {
+  set_period(0);
   if (moves_motors_) begin_start();
 }
 
@@ -91,13 +101,25 @@ const DeviceSample& SafetyGovernor::begin_tick(const DeviceSample& sample,
 }
 
 void SafetyGovernor::find_times(const TickTime& time) noexcept {
-  if (is_time_step(time.dt_s)) period_ns_ = nanoseconds(time.dt_s);
+  if (time.dt_s != dt_s_ && is_time_step(time.dt_s)) {
+    dt_s_ = time.dt_s;
+    set_period(nanoseconds(dt_s_));
+  }
   const bool is_measured = time.now_ns != 0 && last_now_ns_ != 0;
   step_ns_ = is_measured ? std::max<std::int64_t>(0, time.now_ns - last_now_ns_) : period_ns_;
   last_now_ns_ = time.now_ns;
   late_ns_ = std::max(time.late_ns, step_ns_ - period_ns_);
   now_ns_ += step_ns_;
-  ramp_step_ns_ = std::min(step_ns_, longer_ns(0.0, Limits::kLongestStepPeriods, period_ns_));
+  ramp_step_ns_ = std::min(step_ns_, longest_step_ns_);
+}
+
+void SafetyGovernor::set_period(std::int64_t period_ns) noexcept {
+  period_ns_ = period_ns;
+  longest_step_ns_ = longer_ns(0.0, Limits::kLongestStepPeriods, period_ns_);
+  longest_age_ns_ = longer_ns(Limits::kStale_s, Limits::kStalePeriods, period_ns_);
+  longest_late_ns_ = longer_ns(Limits::kLate_s, Limits::kLatePeriods, period_ns_);
+  speed_.set_window(
+      seconds(longer_ns(Limits::kSpeedWindow_s, Limits::kSpeedWindowPeriods, period_ns_)));
 }
 
 void SafetyGovernor::govern(TickRecord& record) noexcept {
@@ -111,7 +133,10 @@ void SafetyGovernor::govern(TickRecord& record) noexcept {
   if (pushed_N_ != wanted_N) record.faults |= kRuleMotors;
   add_work(record);
   if (moves_motors_) {
-    if (rearm_.exchange(false, std::memory_order_acq_rel) && is_tripped()) begin_start();
+    // Reading is much faster than an exchange, and there is rarely something to take.
+    const bool rearms =
+        rearm_.load(std::memory_order_relaxed) && rearm_.exchange(false, std::memory_order_acq_rel);
+    if (rearms && is_tripped()) begin_start();
     watch_interruptions(record);
     watch_speed(record);
     if (has_bad_force) trip(TripReason::kBadForce, 0.0, 0.0, record);
@@ -132,21 +157,20 @@ void SafetyGovernor::watch_interruptions(TickRecord& record) noexcept {
     is_interrupted_ = true;
     record.faults |= kRuleBadSample;
   }
-  const std::int64_t stale_ns = longer_ns(Limits::kStale_s, Limits::kStalePeriods, period_ns_);
-  if (sample_age_ns_ > stale_ns) {
+  if (sample_age_ns_ > longest_age_ns_) {
     is_interrupted_ = true;
     record.faults |= kRuleStale;
-    const std::int64_t longest_ns = std::max(nanoseconds(Limits::kStaleTrip_s), stale_ns);
+    const std::int64_t longest_ns = std::max(nanoseconds(Limits::kStaleTrip_s), longest_age_ns_);
     if (sample_age_ns_ > longest_ns) {
       trip(TripReason::kStale, seconds(sample_age_ns_), seconds(longest_ns), record);
     }
   }
   if (is_out_of_order_) record.faults |= kRuleOrder;
-  const std::int64_t late_ns = longer_ns(Limits::kLate_s, Limits::kLatePeriods, period_ns_);
-  if (late_ns_ > late_ns) {
+  if (late_ns_ > longest_late_ns_) {
     is_interrupted_ = true;
     record.faults |= kRuleLate;
-    const bool is_very_late = late_ns_ > std::max(nanoseconds(Limits::kLateRestart_s), late_ns);
+    const bool is_very_late =
+        late_ns_ > std::max(nanoseconds(Limits::kLateRestart_s), longest_late_ns_);
     if (is_very_late && !is_tripped()) begin_start();
   }
   is_eased_ = is_interrupted_ || (is_eased_ && ease_ns_ < nanoseconds(Limits::kEase_s));
@@ -167,10 +191,9 @@ bool SafetyGovernor::has_bad_sample(TickRecord& record) noexcept {
 }
 
 void SafetyGovernor::watch_speed(TickRecord& record) noexcept {
-  speed_.set_window(
-      seconds(longer_ns(Limits::kSpeedWindow_s, Limits::kSpeedWindowPeriods, period_ns_)));
   const bool is_usable = is_new_ && (record.faults & kFaultsWithoutForce) == 0;
   if (is_usable) speed_.add(seconds(now_ns_ - sample_age_ns_), vec3(record.device_m));
+  if (!speed_.may_exceed(Limits::kTopSpeed_m_per_s)) return;
   const auto speed = speed_.speed_m_per_s();
   if (!speed || *speed <= Limits::kTopSpeed_m_per_s) return;
   if (last_force_N_.norm() <= Limits::kMovingShare * clamp_N_) return;
@@ -212,7 +235,7 @@ void SafetyGovernor::trip(TripReason reason, double value, double limit,
 
 // The smallest factor of all rules but the slew.
 double SafetyGovernor::find_factor(TickRecord& record) const noexcept {
-  double factor = marked(factor_to(clamp_N_, pushed_N_.norm()), kRuleClamp, record);
+  double factor = marked(factor_to(clamp_N_, pushed_N_), kRuleClamp, record);
   if (limits_motors_) {
     const double peaks = motors_.scale(pushed_N_);
     factor = std::min(factor, marked(peaks < 1.0 ? kBelow * peaks : 1.0, kRulePeak, record));
@@ -244,18 +267,22 @@ double SafetyGovernor::workspace_factor(const TickRecord& record) const noexcept
     const double half_m = 0.5 * (workspace_high_m_[n] - workspace_low_m_[n]);
     if (!(half_m > 0.0)) continue;
     const double middle_m = workspace_low_m_[n] + half_m;
-    const double beyond = std::abs(record.device_m[k] - middle_m) / half_m - 1.0;
+    const double from_middle_m = std::abs(record.device_m[k] - middle_m);
+    if (from_middle_m <= half_m) continue;
+    const double beyond = from_middle_m / half_m - 1.0;
     factor = std::min(factor, std::max(0.0, 1.0 - beyond / Limits::kFadeShare));
   }
   return factor;
 }
 
 void SafetyGovernor::limit_slew(Vec3& force_N, TickRecord& record) const noexcept {
+  const double growth_N = Limits::kSlew_N_per_s * seconds(ramp_step_ns_);
+  // No force grows by more than the length of its change.
+  if (is_far_below(force_N - last_force_N_, growth_N)) return;
   const double length_N = force_N.norm();
   if (length_N == 0.0) return;
   const double before_N = std::max(0.0, last_force_N_.dot(force_N) / length_N);
-  const double factor =
-      factor_to(before_N + Limits::kSlew_N_per_s * seconds(ramp_step_ns_), length_N);
+  const double factor = factor_to(before_N + growth_N, length_N);
   if (factor < 1.0) force_N *= marked(factor, kRuleSlew, record);
 }
 

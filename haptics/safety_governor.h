@@ -147,6 +147,7 @@ class SafetyGovernor {
  private:
   bool is_tripped() const { return status_.state == GovernorState::kTripped; }
   void find_times(const TickTime& time) noexcept;
+  void set_period(std::int64_t period_ns) noexcept;
   bool has_bad_sample(TickRecord& record) noexcept;
   void watch_interruptions(TickRecord& record) noexcept;
   void watch_speed(TickRecord& record) noexcept;
@@ -165,9 +166,14 @@ class SafetyGovernor {
   int sensed_axes_;
   MotorLimits motors_;
 
-  // The times of this tick.
   // Times are whole nanoseconds, so that their sums have no rounding.
+  // What follows from the nominal time step of a tick, by set_period().
+  double dt_s_ = 0.0;
   std::int64_t period_ns_ = 0;
+  std::int64_t longest_step_ns_ = 0;  // of the slew rule and the ramps
+  std::int64_t longest_age_ns_ = 0;
+  std::int64_t longest_late_ns_ = 0;
+  // The times of this tick.
   std::int64_t step_ns_ = 0;       // measured time since the last tick
   std::int64_t ramp_step_ns_ = 0;  // step_ns_, at most kLongestStepPeriods periods
   std::int64_t late_ns_ = 0;

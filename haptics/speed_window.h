@@ -27,26 +27,31 @@ class SpeedWindow {
   void add(double time_s, const Vec3& p_device_m) noexcept {
     newest_ = {time_s, p_device_m};
     has_newest_ = true;
-    if (count_ > 0 && time_s - entry(0).time_s < window_s_ / kSpacing) return;
-    last_ = (last_ + 1) % kEntries;
-    entries_[last_] = newest_;
-    if (count_ < kEntries) ++count_;
+    if (count_ == 0 || time_s - entry(count_ - 1).time_s >= window_s_ / kSpacing) {
+      entry(count_) = newest_;
+      ++count_;
+      if (count_ - oldest_ > kEntries) ++oldest_;
+    }
+    while (oldest_ + 1 < count_ && is_old(entry(oldest_ + 1))) ++oldest_;
+    const std::size_t first = count_ > kEntries ? count_ - kEntries : 0;
+    while (oldest_ > first && !is_old(entry(oldest_))) --oldest_;
   }
 
   // The distance between the newest position and the newest one that is at least a window older,
   // divided by the time between them, m/s. No value until positions span a window.
   std::optional<double> speed_m_per_s() const noexcept {
-    for (std::size_t back = 0; has_newest_ && back < count_; ++back) {
-      const double time_s = newest_.time_s - entry(back).time_s;
-      // The window is a multiple of the tick up to rounding; half a spacing is more than that and
-      // less than a tick.
-      if (time_s < window_s_ * (1.0 - 0.5 / kSpacing)) continue;
-      return (newest_.p_m - entry(back).p_m).norm() / time_s;
-    }
-    return std::nullopt;
+    if (!has_newest_ || count_ == 0 || !is_old(entry(oldest_))) return std::nullopt;
+    return way_m().norm() / time_s();
   }
 
-  void clear() noexcept { count_ = 0, has_newest_ = false; }
+  // False if speed_m_per_s() has no value or is certainly below a limit. Faster than the speed.
+  bool may_exceed(double limit_m_per_s) const noexcept {
+    if (!has_newest_ || count_ == 0 || !is_old(entry(oldest_))) return false;
+    const double half_m = 0.5 * limit_m_per_s * time_s();
+    return !(way_m().squaredNorm() < half_m * half_m);
+  }
+
+  void clear() noexcept { count_ = oldest_ = 0, has_newest_ = false; }
 
  private:
   static constexpr std::size_t kSpacing = 32;
@@ -55,15 +60,20 @@ class SpeedWindow {
     double time_s = 0.0;
     Vec3 p_m = Vec3::Zero();
   };
-  // back: 0 for the last kept position, 1 for the one before.
-  const Entry& entry(std::size_t back) const noexcept {
-    return entries_[(last_ + kEntries - back) % kEntries];
+  Entry& entry(std::size_t n) noexcept { return entries_[n % kEntries]; }
+  const Entry& entry(std::size_t n) const noexcept { return entries_[n % kEntries]; }
+  // The window is a multiple of the tick up to rounding; half a spacing is more than that and less
+  // than a tick.
+  bool is_old(const Entry& e) const noexcept {
+    return newest_.time_s - e.time_s >= window_s_ * (1.0 - 0.5 / kSpacing);
   }
+  double time_s() const noexcept { return newest_.time_s - entry(oldest_).time_s; }
+  Vec3 way_m() const noexcept { return newest_.p_m - entry(oldest_).p_m; }
 
   double window_s_ = 0.0;
   std::array<Entry, kEntries> entries_{};
-  std::size_t last_ = 0;
-  std::size_t count_ = 0;
+  std::size_t count_ = 0;   // positions that were kept since clear()
+  std::size_t oldest_ = 0;  // the newest one that is a window older than newest_, or the first one
   Entry newest_;
   bool has_newest_ = false;
 };

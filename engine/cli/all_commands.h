@@ -18,10 +18,12 @@ std::unique_ptr<Command> make_experiment_command();
 std::unique_ptr<Command> make_soak_command();
 std::unique_ptr<Command> make_info_command();
 std::unique_ptr<Command> make_devices_command();
+std::unique_ptr<Command> make_view_command();
 
 inline std::vector<std::unique_ptr<Command>> all_commands() {
   std::vector<std::unique_ptr<Command>> commands;
   commands.push_back(make_run_command());
+  commands.push_back(make_view_command());
   commands.push_back(make_replay_command());
   commands.push_back(make_recording_command());
   commands.push_back(make_accuracy_command());

@@ -39,22 +39,6 @@ constexpr std::array kHandOptions = {
 };
 constexpr std::array kMotorOptions = {"--no-guard", "--without-realtime", "--cpu"};
 
-// The settings of a run with the properties of the device. The device has no workspace across its
-// plane; the scene may have any height there.
-void describe_device(const DeviceDescription& device, const IsGiven& is_given,
-                     RunRequest& request) {
-  RunSettings& settings = request.options.settings;
-  settings.device = device;
-  const double side_m = device.workspace_high_m[0] - device.workspace_low_m[0];
-  settings.device.workspace_low_m[2] = -0.5 * side_m;
-  settings.device.workspace_high_m[2] = 0.5 * side_m;
-  settings.sensors = device.sensed_axes;
-  settings.default_actuators = device.motor_count;
-  settings.encoder_quantum_m = device.encoder_quantum_m;
-  if (!is_given("--rate")) settings.rate_Hz = device.rate_Hz;
-  settings.a4 = request.a4 == A4Runs::kOn;
-}
-
 std::string device_workspace_text(const DeviceDescription& device) {
   std::ostringstream text;
   text << device.workspace_high_m[0] - device.workspace_low_m[0] << " x "
@@ -209,6 +193,20 @@ std::optional<Error> check_device_options(const RunRequest& request, const IsGiv
                             "(--out)");
   }
   return std::nullopt;
+}
+
+void describe_device(const DeviceDescription& device, const IsGiven& is_given,
+                     RunRequest& request) {
+  RunSettings& settings = request.options.settings;
+  settings.device = device;
+  const double side_m = device.workspace_high_m[0] - device.workspace_low_m[0];
+  settings.device.workspace_low_m[2] = -0.5 * side_m;
+  settings.device.workspace_high_m[2] = 0.5 * side_m;
+  settings.sensors = device.sensed_axes;
+  settings.default_actuators = device.motor_count;
+  settings.encoder_quantum_m = device.encoder_quantum_m;
+  if (!is_given("--rate")) settings.rate_Hz = device.rate_Hz;
+  settings.a4 = request.a4 == A4Runs::kOn;
 }
 
 int run_on_device(RunRequest request, const IsGiven& is_given) {

@@ -23,6 +23,10 @@ using IsGiven = std::function<bool(const std::string&)>;
 // a device.
 std::optional<Error> check_device_options(const RunRequest& request, const IsGiven& is_given);
 
+// The settings of a run with the properties of the device. The device has no workspace across its
+// plane; the scene may have any height there.
+void describe_device(const DeviceDescription& device, const IsGiven& is_given, RunRequest& request);
+
 // Requires check_device_options(), and a device. Returns the exit code.
 int run_on_device(RunRequest request, const IsGiven& is_given);
 

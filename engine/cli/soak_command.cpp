@@ -29,6 +29,7 @@ constexpr double kMostMinutes = 60.0 * 24.0;
 constexpr std::uint64_t kLastCpu = 1023;
 constexpr const char* kReportName = "soak.txt";
 constexpr const char* kJsonName = "soak.json";
+constexpr const char* kCpuTimesName = "cpu_ns.u32";
 
 template <typename... Args>
 std::string format(const char* pattern, Args... args) {
@@ -106,16 +107,6 @@ nlohmann::ordered_json memory_json(const ProcessMemory& memory) {
   return {{"heap_bytes", memory.heap}, {"resident_bytes", memory.resident}};
 }
 
-// The same seed gives the same ticks, so that the ticks of two runs can be compared.
-nlohmann::ordered_json slowest_json(const SlowestTicks& slowest) {
-  nlohmann::ordered_json ticks = nlohmann::ordered_json::array();
-  for (const SlowTick& t : slowest.sorted()) {
-    nlohmann::ordered_json pair = nlohmann::ordered_json::array({t.tick, t.cpu_ns});
-    ticks.push_back(std::move(pair));
-  }
-  return ticks;
-}
-
 nlohmann::ordered_json late_log_json(const LateTickLog& log) {
   nlohmann::ordered_json ticks = nlohmann::ordered_json::array();
   for (const LateTick& t : log.ticks()) {
@@ -142,13 +133,22 @@ nlohmann::ordered_json soak_json(const SoakRun& run, const PreparedRun& prepared
   json["reached_timing"] = reached_timing_json(prepared.setup, run.tick_times);
   json["worst_cpu_share"] =
       1e-9 * static_cast<double>(run.tick_times.cpu.largest_ns()) / prepared.setup.dt_s;
-  json["slowest_ticks_cpu_ns"] = slowest_json(run.tick_times.slowest);
   json["first_late_ticks"] = late_log_json(run.tick_times.late_log);
   json["ticks_not_finite"] = run.ticks_not_finite;
   json["memory_after_1_s"] = memory_json(run.memory_at_start);
   json["memory_at_end"] = memory_json(run.memory_at_end);
   json.update(summary);
   return json;
+}
+
+// Little-endian.
+std::string bytes_of(const std::vector<std::uint32_t>& numbers) {
+  std::string bytes;
+  bytes.reserve(4 * numbers.size());
+  for (const std::uint32_t number : numbers) {
+    for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(number >> shift & 255u);
+  }
+  return bytes;
 }
 
 class SoakCommand final : public Command {
@@ -163,6 +163,7 @@ class SoakCommand final : public Command {
   RunRequest request_;
   double minutes_ = 1.0;
   std::optional<std::uint64_t> cpu_;
+  bool keeps_cpu_times_ = false;
 };
 
 CLI::App* SoakCommand::add_to(CLI::App& program) {
@@ -193,6 +194,10 @@ CLI::App* SoakCommand::add_to(CLI::App& program) {
   app.add_option("--out", request_.out_dir, "folder of the report, soak.txt and soak.json")
       ->capture_default_str()
       ->group(kOutputGroup);
+  app.add_flag(
+         "--cpu-times", keeps_cpu_times_,
+         "also write cpu_ns.u32: the CPU time of each tick, ns, as a 32-bit number, little-endian")
+      ->group(kOutputGroup);
   add_output(app, settings, request_.json);
   return &app;
 }
@@ -214,7 +219,9 @@ int SoakCommand::report(const PreparedRun& prepared, const SoakRun& run, OutputF
   const std::string text = heading(prepared, run) + soak_text(run, prepared.setup);
   const nlohmann::ordered_json json = soak_json(run, prepared);
   for (const auto& [name, content] :
-       {std::pair{kReportName, text}, std::pair{kJsonName, json.dump(2) + "\n"}}) {
+       {std::pair{kReportName, text}, std::pair{kJsonName, json.dump(2) + "\n"},
+        std::pair{kCpuTimesName, bytes_of(run.cpu_ns)}}) {
+    if (content.empty()) continue;
     const auto written = write_text_file(files.path(name), content);
     if (!written) return refuse(files.in_place(written.error()));
   }
@@ -234,11 +241,13 @@ int SoakCommand::run(const std::vector<std::string>& arguments) {
   const Result<PreparedRun> prepared = prepare_run(request_);
   if (!prepared) return refuse(with_path(prepared.error(), request_.scene.path));
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
-  Result<OutputFiles> files = OutputFiles::create(request_.out_dir, {kReportName, kJsonName});
+  Result<OutputFiles> files =
+      OutputFiles::create(request_.out_dir, {kCpuTimesName, kReportName, kJsonName});
   if (!files) return refuse(files.error());
   SoakSettings settings;
   settings.seconds = 60.0 * minutes_;
   settings.seed = request_.exploration.seed;
+  settings.keeps_cpu_times = keeps_cpu_times_;
   if (cpu_) settings.cpu = static_cast<int>(*cpu_);
   const Result<SoakRun> done = [&] {
     ProgressBar bar("soak", settings.seconds);

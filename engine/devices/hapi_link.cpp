@@ -57,6 +57,8 @@ void HapiLink::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns)
     if (phase_ == Phase::kClearing) quiet_since_ns_ = now_ns;
     if (phase_ == Phase::kClearing || phase_ == Phase::kOff) continue;
     const bool is_asking = phase_ == Phase::kAsking;
+    // The next message would cut a question that the line has not taken yet.
+    if (is_asking && !to_send().empty()) continue;
     switch (parser_.add(byte)) {
       case HapiAnswerParser::State::kIncomplete:
         break;
@@ -159,7 +161,7 @@ void HapiLink::step(std::int64_t now_ns) {
 
 void HapiLink::watch_guard(std::int64_t now_ns) {
   if (guard_ == nullptr || is_guard_gone_) return;
-  if (!guard_->is_alive()) {
+  if (!guard_->is_alive(now_ns)) {
     is_guard_gone_ = true;
     trip(HapiProblem::kGuardGone, now_ns);
     return;
@@ -290,7 +292,7 @@ void HapiLink::sent(std::size_t count, std::int64_t now_ns) {
   if (!to_send().empty()) return;
   if (phase_ != Phase::kRunning) quiet_since_ns_ = now_ns;
   // Before the first tick, no force can be old.
-  if (guard_ != nullptr) guard_->beat(force_.tick_ns != 0 ? force_.tick_ns : now_ns);
+  if (guard_ != nullptr) guard_->beat(force_.tick_ns != 0 ? force_.tick_ns : now_ns, now_ns);
   if (!is_tick_ && !is_zero_) return;  // a set-up
   has_sent_zero_ = is_released_ && is_zero_;
   if (!is_tick_) return;

@@ -19,6 +19,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/devices/realtime_limit.h"
+
 extern "C" char** environ;
 
 namespace palpate {
@@ -138,11 +140,9 @@ bool receive_message(int socket, void* content, std::size_t size) {
   return ready > 0 && recv(socket, content, size, MSG_DONTWAIT) == static_cast<ssize_t>(size);
 }
 
-std::string fifo_remedy(int error) {
+std::string explain_fifo(int error) {
   return std::string("SCHED_FIFO was refused to palpate-guard (") + std::strerror(error) +
-         "): a zero may be late on a busy machine; write `USER - rtprio " +
-         std::to_string(kGuardPriority) +
-         "`, with your user name, into /etc/security/limits.d/palpate.conf and log in again";
+         "): a zero may be late on a busy machine; " + fifo_remedy();
 }
 
 }  // namespace
@@ -233,7 +233,7 @@ std::optional<Error> MotorGuard::receive_word() {
     return guard_error("is of another build than the engine", "build both again");
   }
   if (word.problem[0] != '\0') return guard_error(word.problem.data());
-  if (word.fifo_error != 0) fifo_problem_ = fifo_remedy(word.fifo_error);
+  if (word.fifo_error != 0) fifo_problem_ = explain_fifo(word.fifo_error);
   return std::nullopt;
 }
 
@@ -283,11 +283,11 @@ std::optional<Error> MotorGuard::disarm() {
   return ring();
 }
 
-void MotorGuard::beat(std::int64_t tick_ns) noexcept {
+void MotorGuard::beat(std::int64_t tick_ns, std::int64_t now_ns) noexcept {
   thread_local const pid_t thread = gettid();
   shared_->driver_thread.store(thread, std::memory_order_relaxed);
   shared_->tick_ns.store(tick_ns, std::memory_order_release);
-  shared_->beat_ns.store(guard_clock_ns(), std::memory_order_release);
+  shared_->beat_ns.store(now_ns, std::memory_order_release);
 }
 
 std::uint64_t MotorGuard::trip_epoch() const noexcept {
@@ -307,10 +307,10 @@ bool MotorGuard::is_quiet() const noexcept {
          shared_->trip_epoch.load(std::memory_order_acquire);
 }
 
-bool MotorGuard::is_alive() const noexcept {
+bool MotorGuard::is_alive(std::int64_t now_ns) const noexcept {
   if (has_ended_.load(std::memory_order_acquire)) return false;
   if (shared_->is_guard_alive.load(std::memory_order_acquire) == 0) return false;
-  return guard_clock_ns() - shared_->guard_ns.load(std::memory_order_acquire) < kFrozenNs;
+  return now_ns - shared_->guard_ns.load(std::memory_order_acquire) < kFrozenNs;
 }
 
 }  // namespace palpate

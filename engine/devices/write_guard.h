@@ -11,9 +11,9 @@ namespace palpate {
 class WriteGuard {
  public:
   virtual ~WriteGuard() = default;
-  // Called after a command was written. tick_ns: the time of the tick that the command came from,
-  // on the monotonic clock.
-  virtual void beat(std::int64_t tick_ns) noexcept = 0;
+  // Called after a command was written. tick_ns: the time of the tick that the command came from;
+  // now_ns: the present time. Both are on the monotonic clock, which the caller has just read.
+  virtual void beat(std::int64_t tick_ns, std::int64_t now_ns) noexcept = 0;
   // Increases when the guard has stopped the motors. The driver compares it before each write, and
   // writes zero force from then on.
   virtual std::uint64_t trip_epoch() const noexcept = 0;
@@ -23,8 +23,8 @@ class WriteGuard {
   // After the driver has compared trip_epoch() with the epoch it knew, it writes zero force and
   // waits until this is true; then it sets up the device and acknowledges.
   virtual bool is_quiet() const noexcept { return true; }
-  // False: nobody stops the motors any more.
-  virtual bool is_alive() const noexcept = 0;
+  // False: nobody stops the motors any more. now_ns: as in beat().
+  virtual bool is_alive(std::int64_t now_ns) const noexcept = 0;
 };
 
 }  // namespace palpate

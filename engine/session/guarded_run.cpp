@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "engine/devices/realtime_limit.h"
 #include "engine/session/realtime.h"
 
 namespace palpate {
@@ -72,11 +73,12 @@ std::optional<Error> GuardedRun::open_device() {
 std::optional<Error> GuardedRun::check_fifo(const std::string& refusal) const {
   if (refusal.empty() || settings_.without_realtime) return std::nullopt;
   if (!keeps_last_force(device_.description())) return std::nullopt;
-  return Error{ErrorCode::kInvalidArgument, "", device_.description().name,
-               "keeps its last force, and the system refuses SCHED_FIFO (" + refusal +
-                   "), without which a zero may come late; expected real-time scheduling",
-               "write `* - rtprio 90` to /etc/security/limits.d/palpate.conf and log in again, or "
-               "accept trips on a busy machine with `GuardedRunSettings::without_realtime`"};
+  return Error{
+      ErrorCode::kInvalidArgument, "", device_.description().name,
+      "keeps its last force, and the system refuses SCHED_FIFO (" + refusal +
+          "), without which a zero may come late; expected real-time scheduling",
+      fifo_remedy() +
+          ", or accept trips on a busy machine with `GuardedRunSettings::without_realtime`"};
 }
 
 std::optional<Error> GuardedRun::start_guard() {

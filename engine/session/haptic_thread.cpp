@@ -73,7 +73,7 @@ void HapticThread::run() {
   begin_.wait(false, std::memory_order_acquire);
   const double dt_s = 1.0 / settings_.rate_Hz;
   const double period_ns = static_cast<double>(kNanosecondsPerSecond) * dt_s;
-  usage_ = ThreadUsage::now();
+  meter_.start(settings_.cpu_times_ns);
   const std::int64_t start_ns = monotonic_ns();
   std::int64_t period = 0;
   for (std::uint64_t n = 0; settings_.max_ticks == 0 || n < settings_.max_ticks; ++n) {
@@ -82,55 +82,24 @@ void HapticThread::run() {
       return start_ns + std::llround(static_cast<double>(k) * period_ns);
     };
     sleep_until(due(period));
-    run_tick(due(period), dt_s);
+    const bool is_late = run_tick(due(period), due(period + 1), dt_s);
     ticks_.store(n + 1, std::memory_order_release);
-    const std::int64_t now = monotonic_ns();
     ++period;
-    if (now > due(period)) {
-      add_late_tick(cost_);
-      period =
-          static_cast<std::int64_t>(std::ceil(static_cast<double>(now - start_ns) / period_ns));
-    }
+    if (!is_late) continue;
+    missed_deadlines_.fetch_add(1, std::memory_order_acq_rel);
+    session_.report_late(cause_of(meter_.cost()), meter_.cost());
+    period = static_cast<std::int64_t>(
+        std::ceil(static_cast<double>(monotonic_ns() - start_ns) / period_ns));
   }
+  meter_.finish();
   session_.stop();
   running_.store(false, std::memory_order_release);
 }
 
-void HapticThread::run_tick(std::int64_t due_ns, double dt_s) {
-  const std::int64_t cpu_before_ns = ThreadUsage::cpu_ns();
-  const std::int64_t start_ns = monotonic_ns();
-  const std::int64_t late_ns = std::max<std::int64_t>(0, start_ns - due_ns);
-  session_.tick(dt_s, late_ns, start_ns);
-  const std::int64_t wall_ns = monotonic_ns() - start_ns;
-  const ThreadUsage::Reading usage = ThreadUsage::now();
-  cost_ = {late_ns,
-           wall_ns,
-           session_.last_step_ns(),
-           session_.last_delay_ns(),
-           usage.cpu_ns - cpu_before_ns,
-           usage.faults - usage_.faults,
-           usage.preemptions - usage_.preemptions};
-  usage_ = usage;
-  times_.late.add(late_ns);
-  times_.wall.add(wall_ns);
-  times_.cpu.add(cost_.cpu_ns);
-  times_.step.add(cost_.loop_ns);
-  times_.delay.add(cost_.delay_ns);
-  times_.slowest.add({ticks_.load(std::memory_order_relaxed), cost_.cpu_ns});
-  times_.faults += cost_.faults;
-  times_.preemptions += cost_.preemptions;
-  if (last_start_ns_ != 0) times_.period.add(start_ns - last_start_ns_);
-  last_start_ns_ = start_ns;
-}
-
-void HapticThread::add_late_tick(const TickCost& cost) {
-  missed_deadlines_.fetch_add(1, std::memory_order_acq_rel);
-  const LateCause cause = cause_of(cost);
-  ++times_.late_ticks[static_cast<std::size_t>(cause)];
-  session_.report_late(cause, cost);
-  times_.late_log.add({ticks_.load(std::memory_order_relaxed) - 1, cost});
-  const auto end_ns = [](const TickCost& c) { return c.late_ns + c.wall_ns; };
-  if (end_ns(cost) > end_ns(times_.longest)) times_.longest = cost;
+bool HapticThread::run_tick(std::int64_t due_ns, std::int64_t next_due_ns, double dt_s) {
+  const std::int64_t start_ns = meter_.begin(due_ns);
+  session_.tick(dt_s, std::max<std::int64_t>(0, start_ns - due_ns), start_ns);
+  return meter_.end(session_.last_step_ns(), session_.last_delay_ns(), next_due_ns);
 }
 
 void HapticThread::join() {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include "engine/session/haptic_session.h"
@@ -20,6 +21,8 @@ struct HapticThreadSettings {
   double rate_Hz = 1000.0;      // at least 1: a tick is at most kLongestTick_s long
   std::uint64_t max_ticks = 0;  // 0: until stop()
   std::optional<int> cpu = {};  // the CPU on which the thread stays, >= 0
+  // Receives the CPU times of the first ticks, ns; must outlive the thread.
+  std::span<std::uint32_t> cpu_times_ns = {};
 };
 
 // The haptic thread. It wakes at the absolute times start + k / rate, so that a late tick does not
@@ -52,12 +55,12 @@ class HapticThread {
     return missed_deadlines_.load(std::memory_order_acquire);
   }
   // Of all ticks. Call it after join() or stop().
-  const TickTimes& times() const { return times_; }
+  const TickTimes& times() const { return meter_.times(); }
 
  private:
   void run();
-  void run_tick(std::int64_t due_ns, double dt_s);
-  void add_late_tick(const TickCost& cost);
+  // Returns whether the tick ended after next_due_ns.
+  bool run_tick(std::int64_t due_ns, std::int64_t next_due_ns, double dt_s);
 
   HapticSession& session_;
   HapticThreadSettings settings_;
@@ -69,10 +72,7 @@ class HapticThread {
   std::atomic<std::uint64_t> missed_deadlines_{0};
   RealtimeStatus status_;  // set by the thread before is_ready_
   std::atomic<bool> is_ready_{false};
-  TickTimes times_;
-  TickCost cost_;               // of the last tick
-  ThreadUsage::Reading usage_;  // after the last tick
-  std::int64_t last_start_ns_ = 0;
+  TickMeter meter_;
 };
 
 }  // namespace palpate

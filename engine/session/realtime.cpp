@@ -7,6 +7,8 @@
 #include <sched.h>
 #include <sys/mman.h>
 
+#include "engine/devices/realtime_limit.h"
+
 namespace palpate {
 namespace {
 
@@ -14,8 +16,6 @@ namespace {
 // for the frames of a tick, of the device and of observers. A deeper frame meets a page fault once.
 constexpr std::size_t kStack_bytes = 256 * 1024;
 constexpr std::size_t kPage_bytes = 4096;
-
-constexpr const char* kLimitsFile = "/etc/security/limits.d/palpate.conf";
 
 // Touches the pages below the present stack pointer and locks them, so that no tick meets a page
 // fault there.
@@ -39,8 +39,7 @@ RealtimeStatus make_realtime(std::optional<int> cpu) {
   status.fifo_priority = refused == 0;
   if (refused != 0) {
     add(status.explanation, std::string("SCHED_FIFO was refused (") + std::strerror(refused) +
-                                "), so ticks may be late: write `* - rtprio 90` to " + kLimitsFile +
-                                " and log in again, or run as root");
+                                "), so ticks may be late: " + fifo_remedy() + ", or run as root");
   }
   if (cpu) {
     cpu_set_t only;

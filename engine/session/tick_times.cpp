@@ -8,6 +8,8 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include "engine/session/monotonic_clock.h"
+
 namespace palpate {
 namespace {
 
@@ -48,35 +50,15 @@ std::int64_t TimeHistogram::percentile_ns(double share) const noexcept {
   return largest_ns_;
 }
 
-namespace {
-
-bool is_slower(const SlowTick& a, const SlowTick& b) {
-  return a.cpu_ns != b.cpu_ns ? a.cpu_ns > b.cpu_ns : a.tick < b.tick;
-}
-
-}  // namespace
-
-void SlowestTicks::add(const SlowTick& tick) noexcept {
-  const auto begin = heap_.begin();
-  if (count_ < kMost) {
-    heap_[count_++] = tick;
-    std::push_heap(begin, begin + static_cast<std::ptrdiff_t>(count_), is_slower);
-    return;
-  }
-  if (!is_slower(tick, heap_.front())) return;
-  std::pop_heap(begin, heap_.end(), is_slower);
-  heap_.back() = tick;
-  std::push_heap(begin, heap_.end(), is_slower);
-}
-
-std::vector<SlowTick> SlowestTicks::sorted() const {
-  std::vector<SlowTick> ticks(heap_.begin(), heap_.begin() + static_cast<std::ptrdiff_t>(count_));
-  std::sort(ticks.begin(), ticks.end(), is_slower);
-  return ticks;
-}
-
 std::uint64_t TickTimes::all_late_ticks() const noexcept {
   return std::accumulate(late_ticks.begin(), late_ticks.end(), std::uint64_t{0});
+}
+
+void TickTimes::add_late(const LateTick& tick) noexcept {
+  ++late_ticks[static_cast<std::size_t>(cause_of(tick.cost))];
+  late_log.add(tick);
+  const auto end_ns = [](const TickCost& c) { return c.late_ns + c.wall_ns; };
+  if (end_ns(tick.cost) > end_ns(longest)) longest = tick.cost;
 }
 
 LateCause cause_of(const TickCost& cost) noexcept {
@@ -102,7 +84,58 @@ std::int64_t ThreadUsage::cpu_ns() noexcept {
 ThreadUsage::Reading ThreadUsage::now() noexcept {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
-  return {cpu_ns(), usage.ru_minflt + usage.ru_majflt, usage.ru_nivcsw};
+  return {usage.ru_minflt + usage.ru_majflt, usage.ru_nivcsw};
+}
+
+namespace {
+
+// A tick that waits loses the CPU for longer than this: a context switch to another thread and
+// back, or a page fault, takes more. Then the system is asked for the reason.
+constexpr std::int64_t kWaited_ns = 2000;
+
+}  // namespace
+
+std::int64_t TickMeter::begin(std::int64_t due_ns) noexcept {
+  cpu_start_ns_ = ThreadUsage::cpu_ns();
+  const std::int64_t now_ns = monotonic_ns();
+  if (start_ns_ != 0) times_.period.add(now_ns - start_ns_);
+  start_ns_ = now_ns;
+  cost_.late_ns = std::max<std::int64_t>(0, now_ns - due_ns);
+  return now_ns;
+}
+
+bool TickMeter::end(std::int64_t loop_ns, std::int64_t delay_ns,
+                    std::int64_t next_due_ns) noexcept {
+  const std::int64_t now_ns = monotonic_ns();
+  cost_.wall_ns = now_ns - start_ns_;
+  cost_.cpu_ns = ThreadUsage::cpu_ns() - cpu_start_ns_;
+  cost_.loop_ns = loop_ns;
+  cost_.delay_ns = delay_ns;
+  cost_.faults = cost_.preemptions = 0;
+  const bool is_late = now_ns > next_due_ns;
+  if (is_late || cost_.wall_ns > cost_.cpu_ns + kWaited_ns) read_usage();
+  times_.late.add(cost_.late_ns);
+  times_.wall.add(cost_.wall_ns);
+  times_.cpu.add(cost_.cpu_ns);
+  times_.step.add(loop_ns);
+  times_.delay.add(delay_ns);
+  if (ticks_ < cpu_times_ns_.size()) {
+    constexpr std::int64_t kMost_ns = std::numeric_limits<std::uint32_t>::max();
+    cpu_times_ns_[ticks_] =
+        static_cast<std::uint32_t>(std::clamp<std::int64_t>(cost_.cpu_ns, 0, kMost_ns));
+  }
+  if (is_late) times_.add_late({ticks_, cost_});
+  ++ticks_;
+  return is_late;
+}
+
+void TickMeter::read_usage() noexcept {
+  const ThreadUsage::Reading usage = ThreadUsage::now();
+  cost_.faults = usage.faults - usage_.faults;
+  cost_.preemptions = usage.preemptions - usage_.preemptions;
+  times_.faults += cost_.faults;
+  times_.preemptions += cost_.preemptions;
+  usage_ = usage;
 }
 
 }  // namespace palpate

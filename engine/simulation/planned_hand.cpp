@@ -68,25 +68,43 @@ constexpr int kMostWalkLaps = 16;
 // reach its full press depth, and the sideways force there grows with the depth.
 constexpr double kLightTouch = 0.6;
 
+// A walk of `laps` laps: a path of path_laps laps, followed to and fro.
+struct Walk {
+  int times;  // how often the path is followed
+  double speed_m_per_s;
+  SurfacePathSettings path;
+};
+
+Walk walk_of(const Scene& scene, const PlannedHandSettings& settings, const PathPlanSettings& plan,
+             int path_laps) {
+  Walk walk;
+  walk.times = (settings.laps + path_laps - 1) / path_laps;
+  walk.path.length_m = std::min(kWalkSpeed_m_per_s * plan.follow_s / walk.times,
+                                path_laps * kMostExtents * scene.statistics().extent_m.maxCoeff());
+  walk.speed_m_per_s = walk.times * walk.path.length_m / plan.follow_s;
+  walk.path.leg_m = kSecondsPerHeading * walk.speed_m_per_s;
+  walk.path.room_m = plan.press_depth_m;
+  walk.path.seed = settings.seed;
+  return walk;
+}
+
 Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
                               const PlannedHandSettings& settings) {
   PathPlanSettings plan = plan_settings(settings);
   plan.least_ease = kLightTouch;
-  SurfacePathSettings wanted;
-  // A longer walk goes to and fro on a path of kMostWalkLaps.
-  const int walk_laps = std::min(settings.laps, kMostWalkLaps);
-  const int walks = (settings.laps + walk_laps - 1) / walk_laps;
-  wanted.length_m = std::min(kWalkSpeed_m_per_s * plan.follow_s / walks,
-                             walk_laps * kMostExtents * scene.statistics().extent_m.maxCoeff());
-  const double speed_m_per_s = walks * wanted.length_m / plan.follow_s;
-  wanted.leg_m = kSecondsPerHeading * speed_m_per_s;
-  wanted.room_m = plan.press_depth_m;
-  wanted.seed = settings.seed;
-  const std::optional<SurfacePath> found = plan_surface_path(scene, wanted);
+  // A long path needs a long first leg, which a rough surface may not have.
+  int path_laps = std::min(settings.laps, kMostWalkLaps);
+  Walk walk = walk_of(scene, settings, plan, path_laps);
+  std::optional<SurfacePath> found = plan_surface_path(scene, walk.path);
+  while (!found && path_laps > 1) {
+    path_laps /= 2;
+    walk = walk_of(scene, settings, plan, path_laps);
+    found = plan_surface_path(scene, walk.path);
+  }
   if (!found) {
     return Error{ErrorCode::kInvalidArgument, "", "scene",
                  "has no surface with clearance for the hand in front of it",
-                 clearance_hint(scene, setup, wanted)};
+                 clearance_hint(scene, setup, walk.path)};
   }
   PathFacts facts;
   facts.proxy_radius_m = setup.haptics.god_object.radius_m;
@@ -94,8 +112,8 @@ Result<PlannedHand> plan_walk(const Scene& scene, const RunSetup& setup,
   facts.sides = found->is_open ? PathSides::kWhereFree : PathSides::kFront;
   facts.may_cross_itself = true;
   HandPath path = simplified(found->path, kSmallForHand * plan.press_depth_m);
-  PlannedHand hand = hand_on(to_and_fro(path, walks), facts, plan);
-  hand.places_m = places_along(found->path, kSecondsPerPlace * speed_m_per_s);
+  PlannedHand hand = hand_on(to_and_fro(path, walk.times), facts, plan);
+  hand.places_m = places_along(found->path, kSecondsPerPlace * walk.speed_m_per_s);
   return hand;
 }
 

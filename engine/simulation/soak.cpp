@@ -116,13 +116,15 @@ Result<SoakRun> soak(const Scene& scene, const RunSetup& setup, const SoakSettin
   if (!session) return session.error();
   const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
   SoakRun run;
-  HapticThread thread((*session)->session(), {1.0 / setup.dt_s, ticks, settings.cpu});
+  if (settings.keeps_cpu_times) run.cpu_ns.resize(std::min<std::uint64_t>(ticks, kMostKeptTimes));
+  HapticThread thread((*session)->session(), {1.0 / setup.dt_s, ticks, settings.cpu, run.cpu_ns});
   run.realtime = thread.start();
   watch(thread, ticks, setup.dt_s, progress, stop, run);
   thread.stop();
   counter.move_to(run);
   run.tick_times = thread.times();
   run.interrupted = run.summary.ticks < ticks;
+  run.cpu_ns.resize(std::min<std::uint64_t>(run.cpu_ns.size(), run.summary.ticks));
   return run;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "engine/scene/scene.h"
 #include "engine/session/realtime.h"
@@ -19,7 +20,8 @@ namespace palpate {
 struct SoakSettings {
   double seconds = 60.0;
   std::uint64_t seed = 1;
-  std::optional<int> cpu;  // see HapticThreadSettings
+  std::optional<int> cpu;        // see HapticThreadSettings
+  bool keeps_cpu_times = false;  // of the first kMostKeptTimes ticks, 4 bytes each
 };
 
 // Memory of the process, bytes.
@@ -30,11 +32,14 @@ struct ProcessMemory {
   static ProcessMemory now();
 };
 
+inline constexpr std::size_t kMostKeptTimes = std::size_t{1} << 26;
+
 struct SoakRun {
   bool interrupted = false;  // by a StopFlag
   RealtimeStatus realtime;
   TickTimes tick_times;
   RunSummary summary;                  // without step_ns
+  std::vector<std::uint32_t> cpu_ns;   // CPU time of each tick, if they are kept
   std::uint64_t ticks_not_finite = 0;  // ticks with a number in their record that is not finite
   // One second after the start, or at the end of a shorter run, and at the end.
   ProcessMemory memory_at_start, memory_at_end;

@@ -222,6 +222,13 @@ TEST(SafetyGovernor, LimitsTheGrowthOfAForceAndNeverDelaysAFall) {
   rig.push({0.5, 0.0, 0.0}, 5);
   rig.late_s = 0.7e-3;
   EXPECT_EQ(rig.tick({7.5, 0.0, 0.0}), Vec3(7.5, 0.0, 0.0));
+  DeviceDescription strong = motor_device();
+  strong.peak_force_N = 100.0;
+  for (MotorDescription& motor : strong.motors) motor.peak_force_N = 100.0;
+  Rig late(strong);
+  late.run_in();
+  late.late_s = 5e-3;
+  expect_scaled(late.tick({50.0, 0.0, 0.0}), {10.0, 0.0, 0.0}, 1.0);
 }
 
 // Moves with a speed for some ticks under a force, and returns whether the governor tripped.
@@ -260,6 +267,13 @@ TEST(SafetyGovernor, TripsIfTheDeviceIsTooFastWhileItPushes) {
   EXPECT_EQ(rig.governor.status().trip.reason, TripReason::kSpeed);
   EXPECT_NEAR(rig.governor.status().trip.value, 1.6, 1e-9);
   EXPECT_EQ(rig.governor.status().trip.limit, 1.5);
+  // At 100 Hz, 20 mm in a tick are 1 m/s over the window of two periods.
+  Rig slow(motor_device(), {}, 10e-3);
+  slow.run_in();
+  slow.push({2.0, 0.0, 0.0});
+  slow.position_m.x() += 20e-3;
+  slow.push({2.0, 0.0, 0.0});
+  EXPECT_EQ(slow.governor.status().trips, 0u);
 }
 
 // Repeats the same sample for a time, and returns the forces.
@@ -357,17 +371,24 @@ TEST(SafetyGovernor, ALateTickEasesInAndAVeryLateOneStartsAgain) {
 }
 
 TEST(SafetyGovernor, FadesTheForceOutsideTheWorkspace) {
-  Rig rig;
-  rig.run_in();
-  for (const double x_m : {-0.125, -0.12, -0.115, -0.11, -0.1, 0.0, 0.1, 0.105, 0.1199, 0.13}) {
-    while (std::abs(rig.position_m.x() - x_m) > 1e-12) {  // slowly
-      const double way_m = std::clamp(x_m - rig.position_m.x(), -1e-3, 1e-3);
-      rig.position_m.x() += way_m;
-      rig.tick({2.0, 0.0, 0.0});
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double middle_m : {0.0, 0.07}) {
+      DeviceDescription device = motor_device();
+      device.workspace_low_m[static_cast<std::size_t>(axis)] += middle_m;
+      device.workspace_high_m[static_cast<std::size_t>(axis)] += middle_m;
+      Rig rig(device);
+      rig.run_in();
+      for (const double beyond_m : {-0.125, -0.12, -0.115, -0.11, -0.1, 0.0, 0.1, 0.105, 0.1199}) {
+        double& p_m = rig.position_m[axis];
+        while (std::abs(p_m - middle_m - beyond_m) > 1e-12) {  // slowly
+          p_m += std::clamp(middle_m + beyond_m - p_m, -1e-3, 1e-3);
+          rig.tick({2.0, 0.0, 0.0});
+        }
+        const double factor = std::clamp((0.12 - std::abs(beyond_m)) / 0.02, 0.0, 1.0);
+        EXPECT_NEAR(rig.tick({2.0, 0.0, 0.0}).x(), 2.0 * factor, 1e-9) << axis << ' ' << beyond_m;
+        EXPECT_EQ((rig.record.faults & kRuleWorkspace) != 0, factor < 1.0 - 1e-9) << beyond_m;
+      }
     }
-    const double factor = std::clamp((0.12 - std::abs(x_m)) / 0.02, 0.0, 1.0);
-    EXPECT_NEAR(rig.tick({2.0, 0.0, 0.0}).x(), 2.0 * factor, 1e-9) << x_m;
-    EXPECT_EQ((rig.record.faults & kRuleWorkspace) != 0, factor < 1.0 - 1e-9) << x_m;
   }
 }
 
@@ -419,6 +440,8 @@ TEST(SafetyGovernor, TripsIfTheDeviceAsksForIt) {
   rig.asks_for_trip = true;
   EXPECT_EQ(rig.tick({2.0, 0.0, 0.0}).x(), 0.0);
   EXPECT_EQ(rig.governor.status().trip.reason, TripReason::kDevice);
+  rig.push({2.0, 0.0, 0.0});
+  EXPECT_EQ(rig.governor.status().trips, 1u) << "a trip that lasts counts once";
 }
 
 TEST(SafetyGovernor, ATripLastsUntilItIsRearmedAndThenStartsAgain) {
@@ -429,6 +452,9 @@ TEST(SafetyGovernor, ATripLastsUntilItIsRearmedAndThenStartsAgain) {
   rig.tick({kNoNumber, 0.0, 0.0});
   EXPECT_EQ(rig.push({2.0, 0.0, 0.0}, 2000).x(), 0.0);
   EXPECT_EQ(rig.governor.status().trips, 1u);
+  rig.late_s = 0.2;  // the start that follows a very late tick does not end it
+  rig.push({2.0, 0.0, 0.0});
+  EXPECT_EQ(rig.governor.status().state, GovernorState::kTripped);
   rig.governor.rearm();
   EXPECT_EQ(rig.push({2.0, 0.0, 0.0}, 2000).x(), 0.0) << "the hand presses into the wall";
   EXPECT_EQ(rig.push({0.25, 0.0, 0.0}, 700).x(), 0.25);

@@ -294,10 +294,8 @@ TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
 
 TEST_F(CommandLine, RefusesUnknownArguments) {
   write_path();
-  expect_refused(
-      {},
-      {"subcommand is required; expected run, replay, recording, accuracy, experiment, soak, info "
-       "or devices"});
+  expect_refused({}, {"subcommand is required; expected run, view, replay, recording, accuracy, "
+                      "experiment, soak, info or devices"});
   expect_refused({"feel"}, {"feel"});
   expect_refused({"--bogus"}, {"--bogus"});
   expect_refused({"info"}, {"SCENE"});

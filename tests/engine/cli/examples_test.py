@@ -30,6 +30,7 @@ PLACEHOLDER = "your-scene.glb"
 # Lines that do not run here, and why.
 NOT_RUN = {
     "./run.sh": "a minute in real time; `./run.sh run models/star.glb --virtual` does the same",
+    "./run.sh view models/star.glb": "until Ctrl-C, and only with the page, which needs npm",
 }
 
 

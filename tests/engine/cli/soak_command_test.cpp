@@ -22,8 +22,8 @@ constexpr const char* kSoakedStar = PALPATE_MODELS_DIR "/star.glb";
 
 TEST(SoakCommand, ReportsEveryTickWithItsTimes) {
   const TemporaryFolder folder;
-  const Outcome done = run_program(
-      folder, {"soak", kSoakedStar, "--minutes", "0.05", "--rate", "500", "--out", "report"});
+  const Outcome done = run_program(folder, {"soak", kSoakedStar, "--minutes", "0.05", "--rate",
+                                            "500", "--out", "report", "--cpu-times"});
   ASSERT_EQ(done.exit_code, 0) << done.err;
   const std::string text = content_of(folder.path("report/soak.txt"));
   EXPECT_EQ(done.out, text + "report in report/\n");
@@ -36,6 +36,7 @@ TEST(SoakCommand, ReportsEveryTickWithItsTimes) {
     counted += bucket[1].get<std::uint64_t>();
   }
   EXPECT_EQ(counted, 1500u);
+  EXPECT_EQ(content_of(folder.path("report/cpu_ns.u32")).size(), 4u * 1500u);
   std::uint64_t late = 0;
   for (const auto& ticks : report["tick_times"]["late_ticks"]) late += ticks.get<std::uint64_t>();
   EXPECT_NE(text.find("late ticks: " + std::to_string(late) + " of 1500"), std::string::npos);

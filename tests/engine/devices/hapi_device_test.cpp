@@ -70,10 +70,10 @@ bool is_zero(const BoardCommand& command) {
 // A guard that the test commands.
 class AtomicGuard final : public WriteGuard {
  public:
-  void beat(std::int64_t) noexcept override { ++beats; }
+  void beat(std::int64_t, std::int64_t) noexcept override { ++beats; }
   std::uint64_t trip_epoch() const noexcept override { return epoch; }
   void acknowledge(std::uint64_t of_epoch) noexcept override { acknowledged = of_epoch; }
-  bool is_alive() const noexcept override { return alive; }
+  bool is_alive(std::int64_t) const noexcept override { return alive; }
 
   std::atomic<std::uint64_t> epoch{0}, acknowledged{0}, beats{0};
   std::atomic<bool> alive{true};

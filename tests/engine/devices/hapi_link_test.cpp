@@ -480,6 +480,35 @@ TEST(HapiLink, SetsUpWithTheLastGoodAnglesIfTheBoardDoesNotSayItsAngles) {
   }
 }
 
+// Found by fuzz_hapi_link: what the line brings before it has taken the whole question is no
+// answer. The message that would follow it cut the question, and the board read on in the wrong
+// place.
+TEST(HapiLink, NeverCutsAQuestionThatTheLineTakesSlowly) {
+  for (std::size_t taken = 1; taken < kHapiTickSize; ++taken) {
+    for (const bool is_well_formed : {true, false}) {
+      HapiRig rig;
+      rig.run_until_working();
+      const std::vector<std::uint8_t> wrong = {0};
+      rig.link.receive(wrong, rig.now_ns);
+      rig.step();  // it drains, and asks when the line was quiet
+      while (rig.link.counts().set_ups < 2 && rig.link.to_send().empty()) {
+        rig.most_bytes = rig.now_ns < rig.link.wake_ns() ? 64 : taken;
+        rig.step();
+        rig.now_ns += HapiRig::kStep_ns;
+      }
+      ASSERT_EQ(rig.link.to_send().size(), kHapiTickSize - taken);
+      const auto answer = rig.board.firmware().answer({180.0, 0.0, 0.0, 0.0});
+      rig.link.receive(is_well_formed ? answer : wrong, rig.now_ns);
+      rig.most_bytes = 64;
+      rig.run(100 * kMillisecond_ns);
+      EXPECT_TRUE(rig.link.sample().is_working) << taken;
+      EXPECT_EQ(rig.link.counts().missed, 0u) << taken;
+      EXPECT_EQ(rig.board.set_ups(), 2u) << taken;
+      EXPECT_TRUE(all_zero(rig.board.log())) << taken;
+    }
+  }
+}
+
 TEST(HapiLink, FindsAWrongDeviceByteAndAJumpAtOnce) {
   for (const std::size_t byte : {std::size_t{0}, std::size_t{4}, std::size_t{8}}) {
     Pushing rig;

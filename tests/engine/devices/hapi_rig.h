@@ -20,10 +20,12 @@ inline constexpr std::int64_t kMillisecond_ns = 1'000'000;
 // A guard that the test commands.
 class FakeGuard final : public WriteGuard {
  public:
-  void beat(std::int64_t tick_ns) noexcept override { last_beat_ns = tick_ns, ++beats; }
+  void beat(std::int64_t tick_ns, std::int64_t) noexcept override {
+    last_beat_ns = tick_ns, ++beats;
+  }
   std::uint64_t trip_epoch() const noexcept override { return epoch; }
   void acknowledge(std::uint64_t of_epoch) noexcept override { acknowledged = of_epoch; }
-  bool is_alive() const noexcept override { return alive; }
+  bool is_alive(std::int64_t) const noexcept override { return alive; }
 
   std::uint64_t epoch = 0;
   std::uint64_t acknowledged = 0;

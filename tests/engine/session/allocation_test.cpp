@@ -32,6 +32,8 @@
 #include "engine/simulation/path_plan.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/surface_path.h"
+#include "engine/viewer/held_device.h"
+#include "engine/viewer/state_publisher.h"
 #include "geometry/mesh/section.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/all_effects.h"
@@ -563,6 +565,49 @@ TEST(SilentEffects, AreFeltCountedAndTunedWithoutAllocating) {
   census.stop();
   census.expect_nothing();
   EXPECT_EQ(active_effects, (1u << compiled_effects().size()) - 1);
+}
+
+// ---- a session that a page watches and changes -------------------------------------------------
+
+TEST(SilentView, PublishesTicksAndTakesChangesWithoutAllocating) {
+  const auto scene = Scene::load(PALPATE_MODELS_DIR "/gallery.glb");
+  ASSERT_TRUE(scene);
+  RunSettings settings;
+  settings.sensors = 3;
+  settings.actuators = 2;
+  settings.moves = {{scene->objects()[1].name, Vec3(0.0, 0.0, 0.01), Vec3::Zero()}};
+  const RunSetup setup = *make_setup(settings);
+  auto mover = SteadyMotions::create(*scene, setup.moves);
+  ASSERT_TRUE(mover);
+  const Vec3 middle =
+      0.5 * (scene->statistics().bounds_scene.low + scene->statistics().bounds_scene.high);
+  PointerPlan plan(middle);
+  SimulatedDevice simulated({}, plan, middle, {}, false);
+  LiveSettings live(*scene, setup);
+  HeldDevice held(simulated, live);
+  HapticLoop loop(scene->world(), setup.actuation, setup.haptics);
+  StatePublisher publisher(loop, &plan, scene->objects().size());
+  HapticSession session(
+      loop, held,
+      {.changes = {&*mover, &live}, .observers = {&publisher, &simulated}, .takes_motors = false});
+  session.start();
+  test::Random random(3);
+  std::uint64_t contacts = 0;
+  TickRecord newest;
+  for (std::uint64_t n = 1; n < 5000; ++n) {
+    const Vec3 target = middle + random.in_box(0.1);
+    if (n % 20 == 0) plan.point({n % 300 != 0, n, {target.x(), target.y(), target.z()}});
+    if (n % 50 == 0) live.set_a4(n % 100 == 0);
+    if (n % 70 == 0) live.set_axes({random.unit_vector()});
+    if (n % 900 == 0) plan.start();
+    session.set_paused(n % 400 < 10);
+    Census census;
+    session.tick(1e-3);
+    census.stop();
+    census.expect_nothing();
+    if (session.latest(newest)) contacts += newest.contact;
+  }
+  EXPECT_GT(contacts, 500u);
 }
 
 // ---- the thread --------------------------------------------------------------------------------

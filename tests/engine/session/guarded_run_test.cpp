@@ -73,7 +73,8 @@ class PipeDevice final : public GuardableDevice {
     const auto* process = dynamic_cast<MotorGuard*>(guard);
     if (!kills_guard || process == nullptr) return;
     ::kill(process->process(), SIGKILL);
-    while (guard->is_alive()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (guard->is_alive(guard_clock_ns()))
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   std::string summary() const override { return ""; }
 

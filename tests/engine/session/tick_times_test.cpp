@@ -3,8 +3,10 @@
 #include "engine/session/tick_times.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -90,27 +92,6 @@ TEST(LateCause, IsThePartThatTookTheLongest) {
   }
 }
 
-TEST(SlowestTicks, AreTheOnesThatASortFinds) {
-  test::Random random(5);
-  std::vector<SlowTick> all;
-  SlowestTicks slowest;
-  for (std::uint64_t n = 0; n < 5000; ++n) {
-    all.push_back({n, static_cast<std::int64_t>(random.index(2000))});  // many equal times
-    slowest.add(all.back());
-    if (n != 10 && n != 4999) continue;
-    std::vector<SlowTick> expected = all;
-    std::stable_sort(expected.begin(), expected.end(),
-                     [](const SlowTick& a, const SlowTick& b) { return a.cpu_ns > b.cpu_ns; });
-    expected.resize(std::min(expected.size(), SlowestTicks::kMost));
-    const std::vector<SlowTick> kept = slowest.sorted();
-    ASSERT_EQ(kept.size(), expected.size());
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-      EXPECT_EQ(kept[i].tick, expected[i].tick);
-      EXPECT_EQ(kept[i].cpu_ns, expected[i].cpu_ns);
-    }
-  }
-}
-
 TEST(LateTickLog, KeepsTheFirstOnes) {
   LateTickLog log;
   for (std::uint64_t n = 0; n < LateTickLog::kMost + 5; ++n) log.add({n, {}});
@@ -141,14 +122,51 @@ TEST(ReachedTiming, ADelayLowersTheLimitsAsALongerPeriodDoes) {
   EXPECT_NEAR(timing->limits.stable_first_order_N_per_m, expected, 1e-12 * expected);
 }
 
-TEST(ThreadUsage, CountsTheComputingOfThisThread) {
-  const ThreadUsage::Reading before = ThreadUsage::now();
-  volatile double sum = 0.0;
-  while (ThreadUsage::cpu_ns() < before.cpu_ns + 1'000'000) sum = sum + 1.0;
-  const ThreadUsage::Reading after = ThreadUsage::now();
-  EXPECT_GE(after.cpu_ns, before.cpu_ns + 1'000'000);
-  EXPECT_GE(after.faults, before.faults);
-  EXPECT_GE(after.preemptions, before.preemptions);
+TEST(TickMeter, MeasuresTheComputingOfThisThread) {
+  constexpr std::int64_t kComputing_ns = 1'000'000;
+  std::array<std::uint32_t, 2> cpu_ns{};  // room for fewer ticks
+  TickMeter meter;
+  meter.start(cpu_ns);
+  std::vector<std::int64_t> starts_ns;
+  for (int n = 0; n < 3; ++n) {
+    starts_ns.push_back(meter.begin(starts_ns.empty() ? 0 : starts_ns.back()));
+    const std::int64_t before_ns = ThreadUsage::cpu_ns();
+    volatile double sum = 0.0;
+    while (ThreadUsage::cpu_ns() < before_ns + kComputing_ns) sum = sum + 1.0;
+    // The tick of n = 1 ends after the next one is due.
+    const std::int64_t next_due_ns = n == 1 ? starts_ns.back() : starts_ns.back() + (1LL << 60);
+    EXPECT_EQ(meter.end(400, 500, next_due_ns), n == 1);
+  }
+  meter.finish();
+  const TickTimes& times = meter.times();
+  EXPECT_EQ(times.cpu.count(), 3u);
+  EXPECT_GE(times.cpu.largest_ns(), kComputing_ns);
+  EXPECT_GE(times.wall.largest_ns(), kComputing_ns);
+  for (const std::uint32_t ns : cpu_ns) EXPECT_GE(ns, kComputing_ns);
+  EXPECT_EQ(times.step.largest_ns(), 400);
+  EXPECT_EQ(times.delay.largest_ns(), 500);
+  ASSERT_EQ(times.period.count(), 2u);
+  EXPECT_EQ(times.period.largest_ns(),
+            std::max(starts_ns[1] - starts_ns[0], starts_ns[2] - starts_ns[1]));
+  EXPECT_EQ(times.all_late_ticks(), 1u);
+  ASSERT_EQ(times.late_log.ticks().size(), 1u);
+  EXPECT_EQ(times.late_log.ticks().front().tick, 1u);
+  EXPECT_EQ(times.late_log.ticks().front().cost.late_ns, starts_ns[1] - starts_ns[0]);
+}
+
+// Touches new pages in a tick. A tick that waits for them is asked for its faults, and none is
+// lost.
+TEST(TickMeter, CountsPageFaults) {
+  constexpr std::size_t kPages = 256;
+  constexpr std::size_t kPage_bytes = 4096;
+  TickMeter meter;
+  meter.start();
+  meter.begin(0);
+  const std::unique_ptr<volatile char[]> pages(new volatile char[kPages * kPage_bytes]);
+  for (std::size_t i = 0; i < kPages; ++i) pages[i * kPage_bytes] = 1;
+  meter.end(0, 0, std::numeric_limits<std::int64_t>::max());
+  meter.finish();
+  EXPECT_GE(meter.times().faults, static_cast<std::int64_t>(kPages) / 2);
 }
 
 }  // namespace

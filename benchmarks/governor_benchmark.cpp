@@ -1,0 +1,202 @@
+// What a tick on a device with motors costs besides the loop: the governor, the heartbeat for the
+// guard, and the attribution of late ticks in the haptic thread.
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <fcntl.h>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <string>
+#include <unistd.h>
+
+#include <benchmark/benchmark.h>
+
+#include "benchmarks/registration.h"
+#include "engine/devices/motor_guard.h"
+#include "engine/session/tick_times.h"
+#include "haptics/record_vectors.h"
+#include "haptics/safety_governor.h"
+
+namespace palpate::bench {
+namespace {
+
+constexpr double kDt_s = 1e-3;
+constexpr std::int64_t kDt_ns = 1'000'000;
+constexpr double kPush_N = 4.0;
+
+// Motors that keep all rules once the force has grown.
+DeviceDescription device_of(int motors, bool moves_motors) {
+  DeviceDescription device;
+  device.motor_count = motors;
+  device.moves_motors = moves_motors;
+  device.peak_force_N = 8.0;
+  device.workspace_low_m.fill(-0.1);
+  device.workspace_high_m.fill(0.1);
+  for (std::size_t i = 0; i < device.motors.size(); ++i) {
+    device.motors[i].direction_device = {i == 0 ? 1.0 : 0.3, i == 1 ? 1.0 : 0.1,
+                                         i == 2 ? 1.0 : 0.0};
+    device.motors[i].peak_force_N = 20.0;
+  }
+  return device;
+}
+
+// Ticks of a governor in real time: a hand that slides in a circle and presses.
+class GovernedTicks {
+ public:
+  GovernedTicks(const DeviceDescription& device, bool turns)
+      : device_(device), turns_(turns), governor_(device, SafetyGovernor::clamp_of(device, {})) {
+    for (std::size_t n = 0; n < kSamples; ++n) {
+      const double angle =
+          2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(kSamples);
+      positions_m_[n] = {0.02 * std::cos(angle), 0.02 * std::sin(angle), 0.0};
+      Vec3 force_N = Vec3::Zero();  // in the span of the motors
+      for (int i = 0; i < device_.motor_count; ++i) {
+        const Vec3 along(device_.motors[static_cast<std::size_t>(i)].direction_device.data());
+        force_N += (i == 0 ? kPush_N : std::cos(angle)) * along;
+      }
+      forces_N_[n] = force_N;
+    }
+    while (governor_.status().state != GovernorState::kRuns) tick(0.0);
+  }
+
+  const TickRecord& tick(double share = 1.0) {
+    const std::size_t n = static_cast<std::size_t>(sample_.sequence++) % kSamples;
+    sample_.position_m = positions_m_[n];
+    now_ns_ += kDt_ns;
+    const DeviceSample& used = governor_.begin_tick(sample_, {kDt_s, 0, now_ns_});
+    if (turns_) {
+      governor_.set_motors(
+          std::span(device_.motors).first(static_cast<std::size_t>(device_.motor_count)));
+    }
+    std::copy_n(used.position_m.data(), 3, record_.device_m);
+    record_.faults = kFaultNone;
+    record_.contact = 1;
+    put(Vec3(share * forces_N_[n]), record_.force_device_N);
+    governor_.govern(record_);
+    return record_;
+  }
+
+ private:
+  static constexpr std::size_t kSamples = 1024;
+  DeviceDescription device_;
+  bool turns_;
+  SafetyGovernor governor_;
+  DeviceSample sample_;
+  TickRecord record_;
+  std::int64_t now_ns_ = kDt_ns;
+  std::array<std::array<double, 3>, kSamples> positions_m_{};
+  std::array<Vec3, kSamples> forces_N_{};
+};
+
+// What the driver's thread does for the guard with each message (HapiLink::watch_guard, sent). It
+// has read the clock for itself.
+void beat(MotorGuard& guard, std::int64_t now_ns) {
+  benchmark::DoNotOptimize(guard.is_alive(now_ns));
+  benchmark::DoNotOptimize(guard.trip_epoch());
+  guard.beat(now_ns, now_ns);
+}
+
+// A guard that is not armed, of a terminal that nobody reads.
+class Guard {
+ public:
+  Guard() : terminal_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
+    GuardSpec spec;
+    spec.descriptor = terminal_;
+    spec.zero_bytes = {0};
+    auto guard = MotorGuard::spawn(spec);
+    if (guard) guard_ = std::move(*guard);
+    if (!guard) problem_ = guard.error().to_string();
+  }
+  ~Guard() {
+    guard_.reset();
+    if (terminal_ >= 0) ::close(terminal_);
+  }
+  Guard(const Guard&) = delete;
+  Guard& operator=(const Guard&) = delete;
+
+  MotorGuard* get() const { return guard_.get(); }
+  const std::string& problem() const { return problem_; }
+
+ private:
+  int terminal_;
+  std::unique_ptr<MotorGuard> guard_;
+  std::string problem_;
+};
+
+struct GovernorCase {
+  const char* name;
+  int motors = 3;
+  bool moves_motors = true;
+  bool turns = false;  // the motors turn: they are set in each tick
+  bool beats = false;
+};
+
+void run_governor(benchmark::State& state, const GovernorCase& governor_case) {
+  const Guard guard;
+  if (governor_case.beats && guard.get() == nullptr) {
+    return state.SkipWithError(guard.problem().c_str());
+  }
+  GovernedTicks ticks(device_of(governor_case.motors, governor_case.moves_motors),
+                      governor_case.turns);
+  for (int n = 0; n < 10; ++n) ticks.tick();  // while the force grows
+  std::uint32_t faults = 0;
+  std::int64_t now_ns = guard_clock_ns();
+  for (auto _ : state) {
+    const TickRecord& record = ticks.tick();
+    faults |= record.faults;
+    if (governor_case.beats) beat(*guard.get(), ++now_ns);
+  }
+  if (faults != kFaultNone) state.SkipWithError("a rule of the governor has acted");
+}
+
+void run_heartbeat(benchmark::State& state) {
+  const Guard guard;
+  if (guard.get() == nullptr) return state.SkipWithError(guard.problem().c_str());
+  std::int64_t now_ns = guard_clock_ns();
+  for (auto _ : state) beat(*guard.get(), ++now_ns);
+}
+
+// What the haptic thread adds to a tick in order to attribute the late ones.
+void run_attribution(benchmark::State& state, bool are_late) {
+  TickMeter meter;
+  meter.start();
+  for (auto _ : state) {
+    const std::int64_t start_ns = meter.begin(0);
+    meter.end(0, 0, are_late ? 0 : start_ns + kDt_ns);
+  }
+  meter.finish();
+  const TickTimes& times = meter.times();
+  if (times.cpu.count() != static_cast<std::uint64_t>(state.iterations())) {
+    state.SkipWithError("a tick was not counted");
+  }
+}
+
+}  // namespace
+
+void register_governor_benchmarks() {
+  for (const GovernorCase& governor_case :
+       {GovernorCase{.name = "simulated_hand", .moves_motors = false},
+        GovernorCase{.name = "three_motors"},
+        GovernorCase{.name = "two_turning_motors", .motors = 2, .turns = true},
+        GovernorCase{.name = "three_motors_with_heartbeat", .beats = true},
+        GovernorCase{.name = "two_turning_motors_with_heartbeat",
+        .motors = 2,
+        .turns = true,
+        .beats = true}}) {
+    benchmark::RegisterBenchmark(
+        (std::string("governor/") + governor_case.name).c_str(),
+        [=](benchmark::State& state) { run_governor(state, governor_case); });
+  }
+  benchmark::RegisterBenchmark("governor/heartbeat", run_heartbeat);
+  for (const bool are_late : {false, true}) {
+    benchmark::RegisterBenchmark(
+        are_late ? "governor/attribution_late" : "governor/attribution",
+        [=](benchmark::State& state) { run_attribution(state, are_late); });
+  }
+}
+
+}  // namespace palpate::bench

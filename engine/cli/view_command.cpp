@@ -1,0 +1,230 @@
+// The subcommand `view`: a page in the browser shows what the haptic thread does.
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "engine/cli/all_commands.h"
+#include "engine/cli/command_help.h"
+#include "engine/cli/command_output.h"
+#include "engine/cli/number_option.h"
+#include "engine/cli/open_browser.h"
+#include "engine/cli/prepared_run.h"
+#include "engine/cli/program_signals.h"
+#include "engine/cli/run_on_device.h"
+#include "engine/cli/run_results.h"
+#include "engine/devices/device_options.h"
+#include "engine/devices/hapi_device.h"
+#include "engine/viewer/page_files.h"
+#include "engine/viewer/view_server.h"
+#include "engine/viewer/view_session.h"
+#include "geometry/base/printable.h"
+
+namespace palpate {
+namespace {
+
+constexpr auto kLookEvery = std::chrono::milliseconds(20);
+constexpr const char* kPageGroup = "Page";
+constexpr std::uint64_t kMostPort = 65535;
+
+struct ViewRequest {
+  RunRequest run;
+  ServerSettings server;
+  bool opens_browser = false;
+  bool prints_licences = false;
+};
+
+// As a browser writes it.
+std::string address_of(const ViewRequest& request, const ViewServer& server) {
+  std::string host = request.server.address;
+  if (host == "0.0.0.0" || host == "::") host = "localhost";
+  if (host.find(':') != std::string::npos) host = "[" + host + "]";
+  return "http://" + host + ":" + std::to_string(server.port()) + "/#" + server.token().text();
+}
+
+bool is_loopback(const std::string& address) {
+  return address == "127.0.0.1" || address == "::1";
+}
+
+Error no_page() {
+  return {ErrorCode::kUnsupported, "", "view", "is not complete: the program has no page",
+          "run ./run.sh view, which installs npm if it is missing and builds the page"};
+}
+
+void warn(const std::string& warning) {
+  std::cerr << "palpate: warning: " << printable(warning) << "\n";
+}
+
+// Serves until a signal. The force is zero before anything that may wait for a client.
+int serve(const ViewRequest& request, const PageFiles& page, ViewSession& session) {
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  const auto server = ViewServer::listen(request.server, page, session);
+  if (!server) {
+    Error error = server.error();
+    error.element = "--" + error.element;
+    return refuse(error);
+  }
+  if (!is_loopback(request.server.address)) {
+    warn(
+        "--listen: others on the network can reach this server; its address and token are not "
+        "encrypted");
+  }
+  (*server)->start();
+  if (const auto error = session.start()) return refuse(*error);
+  const std::string address = address_of(request, **server);
+  std::cout << address << std::endl;
+  for (const std::string& warning : session.warnings()) warn(warning);
+  std::unique_ptr<OpenedBrowser> browser;
+  if (request.opens_browser) {
+    auto opened = OpenedBrowser::open(address);
+    if (opened) {
+      browser = std::move(*opened);
+    } else {
+      warn(opened.error().to_string());
+    }
+  }
+  while (!signal_flag().requested()) std::this_thread::sleep_for(kLookEvery);
+  session.stop();
+  (*server)->stop();
+  return exit_code_after_signals(finish_output());
+}
+
+ViewSettings view_settings_of(const ViewRequest& request, const IsGiven& is_given) {
+  ViewSettings settings;
+  const RunRequest& run = request.run;
+  settings.scene_name = std::filesystem::path(run.scene.path).filename().string();
+  if (run.device.cpu) settings.cpu = static_cast<int>(*run.device.cpu);
+  settings.has_guard = !run.device.no_guard;
+  settings.without_realtime = run.device.without_realtime;
+  settings.takes_motors = !is_given("--actuators") && !is_given("--actuated-axes");
+  return settings;
+}
+
+// device: null for the simulated hand.
+int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) {
+  const auto page = embedded_page();
+  if (!page) return refuse(no_page());
+  if (device != nullptr) describe_device(device->description(), is_given, request.run);
+  auto prepared = prepare_run(request.run);
+  if (!prepared) return refuse(with_path(prepared.error(), request.run.scene.path));
+  prepared->setup.haptics.a4.enabled = request.run.a4 == A4Runs::kOn;
+  if (const auto error = check_setup(prepared->scene, prepared->setup)) return refuse(*error);
+  const auto session = ViewSession::create(prepared->scene, prepared->setup,
+                                           view_settings_of(request, is_given), device);
+  if (!session) return refuse(with_path(session.error(), request.run.scene.path));
+  return serve(request, *page, **session);
+}
+
+int view_with_device(const ViewRequest& request, const IsGiven& is_given) {
+  Result<HapiSettings> hapi = parse_device("--device", request.run.device.text);
+  if (!hapi) return refuse(hapi.error());
+  hapi->works_without_guard = request.run.device.no_guard;
+  HapiDevice device(*hapi);
+  const int sensors = request.run.options.settings.sensors;
+  if (is_given("--sensors") && sensors != device.description().sensed_axes) {
+    return refuse(invalid_argument(
+        "--sensors", "is " + std::to_string(sensors) + "; expected 2, the sensors of the device"));
+  }
+  return view(request, &device, is_given);
+}
+
+class ViewCommand final : public Command {
+ public:
+  CLI::App* add_to(CLI::App& program) override;
+  int run(const std::vector<std::string>& arguments) override;
+
+ private:
+  void add_page(CLI::App& app);
+  std::string quantum_text() const {
+    std::ostringstream text;
+    text << request_.run.options.settings.device.encoder_quantum_m;
+    return text.str();
+  }
+
+  ViewRequest request_;
+  CLI::App* app_ = nullptr;
+};
+
+CLI::App* ViewCommand::add_to(CLI::App& program) {
+  RunRequest& run = request_.run;
+  RunSettings& settings = run.options.settings;
+  settings.sensors = 2;
+  settings.default_actuators = 1;
+  run.a4 = A4Runs::kOn;
+  CLI::App& app = *program.add_subcommand(
+      "view", "show a scene and the ball in a browser, live; a pointer moves the simulated hand");
+  app_ = &app;
+  set_help(app, "  ./run.sh view models/star.glb\n",
+           "The printed address holds a secret: whoever has it can watch and move.\n");
+  add_scene(app, run.scene, /* is_required = */ false);
+  add_place(app, run.options);
+  add_device(app, run.options,
+             "step of the device's encoders, m [" + quantum_text() +
+                 "]; required by the adaptive estimator");
+  add_workspace(app, settings.device);
+  for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
+  add_motors(app, run.device);
+  add_touch(app, settings);
+  add_choice<A4Runs>(app, "--a4", run.a4, {{"on", A4Runs::kOn}, {"off", A4Runs::kOff}}, "on",
+                     "turn the scene at first: on or off")
+      ->group(kA4Group);
+  add_rotation(app, settings);
+  add_page(app);
+  return &app;
+}
+
+void ViewCommand::add_page(CLI::App& app) {
+  ServerSettings& server = request_.server;
+  add_integer(app, "--port", server.port, {0, kMostPort}, "the server's port; 0: any free one")
+      ->group(kPageGroup);
+  app.add_option("--listen", server.address,
+                 "IP address at which the server listens; any but a loopback address opens it to "
+                 "the network")
+      ->capture_default_str()
+      ->group(kPageGroup);
+  app.add_option("--allow-host", server.allowed_hosts,
+                 "a host name under which a browser may reach the server, besides localhost, "
+                 "127.0.0.1 and [::1]; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->group(kPageGroup);
+  app.add_flag("--open", request_.opens_browser, "open the page in a browser (xdg-open)")
+      ->group(kPageGroup);
+  app.add_flag("--licences", request_.prints_licences,
+               "print the licences of what the page is made of, and end")
+      ->group(kPageGroup);
+}
+
+int ViewCommand::run(const std::vector<std::string>& /*arguments*/) {
+  if (request_.prints_licences) {
+    if (!embedded_page()) return refuse(no_page());
+    std::cout << embedded_licences();
+    return finish_output();
+  }
+  if (request_.run.scene.path.empty()) {
+    return refuse(invalid_argument("SCENE", "is required", "see view --help"));
+  }
+  const IsGiven is_given = [this](const std::string& name) {
+    const CLI::Option* const option = app_->get_option_no_throw(name);
+    return option != nullptr && option->count() > 0;
+  };
+  if (const auto error = check_device_options(request_.run, is_given)) return refuse(*error);
+  return request_.run.device.text.empty() ? view(request_, nullptr, is_given)
+                                          : view_with_device(request_, is_given);
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_view_command() {
+  return std::make_unique<ViewCommand>();
+}
+
+}  // namespace palpate

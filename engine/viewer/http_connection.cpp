@@ -1,0 +1,114 @@
+#include "engine/viewer/http_connection.h"
+
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <utility>
+
+#include "engine/viewer/view_server.h"
+
+namespace palpate {
+namespace {
+
+namespace http = beast::http;
+
+std::string_view view_of(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+std::vector<std::string_view> all_of(const http::request<http::empty_body>& request,
+                                     http::field field) {
+  std::vector<std::string_view> values;
+  const auto [begin, end] = request.equal_range(field);
+  for (auto at = begin; at != end; ++at) values.push_back(view_of(at->value()));
+  return values;
+}
+
+HttpHead head_of(const http::request<http::empty_body>& request) {
+  HttpHead head;
+  head.method = view_of(request.method_string());
+  head.target = view_of(request.target());
+  head.hosts = all_of(request, http::field::host);
+  head.origins = all_of(request, http::field::origin);
+  head.authorizations = all_of(request, http::field::authorization);
+  head.upgrades = request.find(http::field::upgrade) != request.end();
+  return head;
+}
+
+}  // namespace
+
+HttpConnection::HttpConnection(Stream stream, HttpHost& host, std::shared_ptr<void> connection)
+    : stream_(std::move(stream)),
+      host_(host),
+      connection_(std::move(connection)),
+      buffer_(2 * ServerLimits::kHeaderBytes) {
+  parser_.header_limit(ServerLimits::kHeaderBytes);
+  parser_.body_limit(0);
+}
+
+void HttpConnection::read() {
+  stream_.expires_after(std::chrono::seconds(ServerLimits::kHandshake_s));
+  http::async_read_header(
+      stream_, buffer_, parser_,
+      [self = shared_from_this()](beast::error_code error, std::size_t) { self->on_read(error); });
+}
+
+void HttpConnection::on_read(beast::error_code error) {
+  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+    return refuse(431, "the header is longer than 8 KiB");
+  }
+  if (error == http::error::body_limit) return refuse(413, "no request has a body");
+  if (error && error.category() == make_error_code(http::error::bad_method).category() &&
+      error != http::error::end_of_stream && error != http::error::partial_message) {
+    return refuse(400, "this is not HTTP");
+  }
+  if (!error) answer();
+}
+
+void HttpConnection::answer() {
+  const http::request<http::empty_body>& request = parser_.get();
+  const HttpVerdict verdict = host_.judge(head_of(request));
+  if (verdict.status != 403) host_header_ = view_of(request[http::field::host]);
+  if (verdict.status != 200) return refuse(verdict.status, verdict.reason);
+  if (verdict.resource == Resource::kLive) {
+    if (!beast::websocket::is_upgrade(request)) {
+      return refuse(400, "this is not a handshake of a WebSocket");
+    }
+    const auto client =
+        std::make_shared<LiveClient>(std::move(stream_), host_.live_host(), std::move(connection_));
+    return client->accept(request, host_header_);
+  }
+  const bool takes_gzip = accepts_gzip(view_of(request[http::field::accept_encoding]));
+  host_.find(verdict.resource, takes_gzip, [self = shared_from_this()](HttpContent content) {
+    self->send(200, std::move(content));
+  });
+}
+
+void HttpConnection::refuse(int status, std::string_view reason) {
+  const auto text = std::make_shared<const std::string>(std::string(reason) + "\n");
+  send(status, {*text, "text/plain; charset=utf-8", false, text});
+}
+
+// Sends the answer and closes the connection.
+void HttpConnection::send(int status, HttpContent content) {
+  content_ = std::move(content);
+  response_.version(11);
+  response_.result(static_cast<unsigned>(status));
+  response_.keep_alive(false);
+  for (const auto& [name, value] : safety_headers(host_header_)) response_.set(name, value);
+  response_.set(http::field::content_type, content_.type);
+  if (content_.is_gzip) response_.set(http::field::content_encoding, "gzip");
+  response_.set(http::field::vary, "Accept-Encoding");
+  if (status == 405) response_.set(http::field::allow, "GET");
+  response_.body() = {content_.bytes.data(), content_.bytes.size()};
+  response_.prepare_payload();
+  serializer_.emplace(response_);
+  stream_.expires_after(std::chrono::seconds(ServerLimits::kAnswer_s));
+  http::async_write(stream_, *serializer_,
+                    [self = shared_from_this()](beast::error_code, std::size_t) {
+                      beast::error_code ignored;
+                      self->stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
+                    });
+}
+
+}  // namespace palpate

@@ -1,0 +1,152 @@
+// The connection to the server: token, hello, reconnecting, and requests with their answers.
+
+import {
+  decodeBinary, encodePointer, kVersion, type Answer, type Hello, type JsonMessage, type Request,
+  type ServerEvent, type State, type Status, type Ticks, type Vector3,
+} from "./protocol.ts";
+
+// Close codes of the server.
+const kWrongToken = 4401;
+const kTooManyPages = 1013;
+const kFirstDelay_ms = 250;
+const kLongestDelay_ms = 2000;
+const kTokenKey = "palpate-token";
+
+export type ConnectionState =
+  | "connecting" // for the first time
+  | "live"
+  | "lost" // the connection ended; the page tries again
+  | "full" // as many pages are open as the server admits; the page tries again
+  | "new address" // the token is wrong: the server was restarted
+  | "no token" // the page was opened without the address that the program printed
+  | "wrong version"; // the server speaks another version; only a reload helps
+
+export interface ConnectionEvents {
+  changed(state: ConnectionState): void;
+  hello(hello: Hello): void;
+  state(state: State): void;
+  ticks(ticks: Ticks): void;
+  status(status: Status): void;
+  event(event: ServerEvent): void;
+}
+
+// Takes the token out of the address bar, or from the storage of this tab.
+export function takeToken(): string | null {
+  const inAddress = location.hash.slice(1);
+  if (/^[0-9a-f]{32}$/.test(inAddress)) {
+    sessionStorage.setItem(kTokenKey, inAddress);
+    history.replaceState(null, "", location.pathname);
+  }
+  return sessionStorage.getItem(kTokenKey);
+}
+
+export class Connection {
+  private socket: WebSocket | null = null;
+  private isGreeted = false;
+  private delay_ms = kFirstDelay_ms;
+  private nextId = 1;
+  private nextPointer = 1;
+  private readonly waiting = new Map<number, (answer: Answer) => void>();
+
+  constructor(private readonly token: string, private readonly events: ConnectionEvents) {}
+
+  open(): void {
+    const socket = new WebSocket(`ws://${location.host}/live`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => socket.send(JSON.stringify({ type: "token", token: this.token }));
+    socket.onmessage = (message) => this.receive(message.data as string | ArrayBuffer);
+    socket.onclose = (close) => this.closed(close.code);
+    this.socket = socket;
+  }
+
+  get isLive(): boolean {
+    return this.isGreeted;
+  }
+
+  // The sequence of the last pointer message; 0: none.
+  get lastPointer(): number {
+    return this.nextPointer - 1;
+  }
+
+  // Sends a request. The answer of a connection that ends is a problem.
+  request(request: Request): Promise<Answer> {
+    const id = this.nextId++;
+    if (!this.isGreeted || !this.socket) {
+      return Promise.resolve({ type: "answer", id, ok: false, problem: "not connected" });
+    }
+    this.socket.send(JSON.stringify({ ...request, id }));
+    return new Promise((resolve) => this.waiting.set(id, resolve));
+  }
+
+  // Sends the target of the hand; returns the sequence of the message, or 0 if not connected.
+  point(target_m: Vector3, isHeld: boolean): number {
+    if (!this.isGreeted || !this.socket) return 0;
+    const sequence = this.nextPointer++;
+    this.socket.send(encodePointer(sequence, target_m, isHeld));
+    return sequence;
+  }
+
+  private receive(data: string | ArrayBuffer): void {
+    if (typeof data === "string") {
+      this.receiveJson(JSON.parse(data) as JsonMessage);
+      return;
+    }
+    const message = decodeBinary(data);
+    if (message.kind === "state") this.events.state(message.state);
+    else this.events.ticks(message.ticks);
+  }
+
+  private receiveJson(message: JsonMessage): void {
+    switch (message.type) {
+      case "hello":
+        if (message.version !== kVersion) {
+          this.stop("wrong version");
+          return;
+        }
+        this.isGreeted = true;
+        this.delay_ms = kFirstDelay_ms;
+        this.events.hello(message);
+        this.events.changed("live");
+        return;
+      case "status":
+        this.events.status(message);
+        return;
+      case "answer":
+        this.waiting.get(message.id)?.(message);
+        this.waiting.delete(message.id);
+        return;
+      case "event":
+        this.events.event(message);
+        return;
+    }
+  }
+
+  private stop(state: ConnectionState): void {
+    if (this.socket) {
+      this.socket.onclose = null;
+      this.socket.close();
+    }
+    this.end();
+    this.events.changed(state);
+  }
+
+  private end(): void {
+    this.socket = null;
+    this.isGreeted = false;
+    for (const [id, resolve] of this.waiting) {
+      resolve({ type: "answer", id, ok: false, problem: "the connection ended" });
+    }
+    this.waiting.clear();
+  }
+
+  private closed(code: number): void {
+    this.end();
+    if (code === kWrongToken) {
+      this.events.changed("new address");
+      return;
+    }
+    this.events.changed(code === kTooManyPages ? "full" : "lost");
+    setTimeout(() => this.open(), this.delay_ms);
+    this.delay_ms = Math.min(2 * this.delay_ms, kLongestDelay_ms);
+  }
+}

@@ -1,0 +1,262 @@
+// The page of `palpate view`: connects the server, the view, the hand, the controls and the charts.
+
+import "./theme.css";
+
+import { Charts } from "./charts.ts";
+import { Connection, takeToken, type ConnectionState } from "./connection.ts";
+import { SettingControls } from "./controls.ts";
+import { Keys } from "./keys.ts";
+import { PageButtons } from "./page_buttons.ts";
+import { Hand } from "./pointer.ts";
+import { Pointing } from "./pointing.ts";
+import { publishProbe } from "./probe.ts";
+import type { Hello, Request, ServerEvent, State, Status, Ticks } from "./protocol.ts";
+import { StatusPanel } from "./status.ts";
+import { applyTheme, chooseTheme, chosenTheme } from "./theme.ts";
+import { View3d } from "./view3d.ts";
+import { length } from "./words.ts";
+
+const kAgeCheck_ms = 50;
+
+function element<T extends HTMLElement>(id: string): T {
+  return document.getElementById(id) as T;
+}
+
+function openView(canvas: HTMLCanvasElement): View3d | null {
+  try {
+    return new View3d(canvas);
+  } catch {
+    canvas.hidden = true;
+    element("key").hidden = true;
+    element("no-webgl").hidden = false;
+    element("no-webgl").textContent =
+      "This browser has no WebGL, so that the scene is not drawn. Numbers and charts are live.";
+    return null;
+  }
+}
+
+class Page {
+  private readonly canvas = element<HTMLCanvasElement>("view");
+  private readonly status = new StatusPanel();
+  private readonly keys = new Keys();
+  private readonly view = openView(this.canvas);
+  private readonly charts = new Charts(element("angle-chart"), element("force-chart"));
+  private readonly settings: SettingControls;
+  private readonly buttons: PageButtons;
+  private readonly connection: Connection | null;
+  private readonly token = takeToken();
+  private pointing: Pointing | null = null;
+  private hand: Hand | null = null;
+  private hello: Hello | null = null;
+  private state: State | null = null;
+  private lastStatus: Status | null = null;
+  private isInControl = false;
+
+  constructor() {
+    this.buttons = new PageButtons(this.keys, this.actions());
+    this.settings = new SettingControls(
+      element("settings"), element("materials"), this.keys,
+      (name, value) => this.request({ type: "set", name, value }),
+      (problem) => this.status.say(problem));
+    this.settings.changed = (name, value) => {
+      if (name === "axes" && this.view) this.view.actuatedAxes = value as number[][];
+    };
+    this.connection = this.token ? new Connection(this.token, {
+      changed: (state) => this.connectionChanged(state),
+      hello: (hello) => this.greet(hello),
+      state: (state) => this.receiveState(state),
+      ticks: (ticks) => this.receiveTicks(ticks),
+      status: (status) => this.receiveStatus(status),
+      event: (event) => this.receiveEvent(event),
+    }) : null;
+    this.listen();
+    publishProbe({
+      view: this.view, charts: this.charts, settings: this.settings,
+      state: () => this.state, hello: () => this.hello, status: () => this.lastStatus,
+      isLive: () => this.status.isLive, sent: () => this.connection?.lastPointer ?? 0,
+    });
+    this.buttons.enable(false);
+    if (this.connection) this.connection.open();
+    else this.status.showConnection("no token");
+    this.loop();
+  }
+
+  private listen(): void {
+    addEventListener("keydown", (event) => this.keyDown(event));
+    addEventListener("pagehide", () => this.hand?.letGo());
+    document.addEventListener("visibilitychange", () => {
+      if (document.hidden) this.hand?.letGo();
+    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      applyTheme(chosenTheme());
+      this.repaint();
+    });
+    if (this.view) new ResizeObserver(() => this.view?.resize()).observe(this.canvas);
+    setInterval(() => this.status.checkAge(performance.now()), kAgeCheck_ms);
+  }
+
+  private actions() {
+    return {
+      start: () => {
+        this.hand?.letGo(); // else its next message would take the hand back
+        void this.tell({ type: "start" });
+      },
+      pause: () => void this.tell({ type: "pause", value: !(this.state?.isPaused ?? false) }),
+      rearm: () => void this.tell({ type: "rearm" }),
+      takeControl: () => void this.tell({ type: "take_control" }),
+      letGo: () => this.hand?.letGo(),
+      camera: () => this.switchCamera(),
+      fit: () => this.view?.fit(),
+      zoom: (factor: number) => this.view?.zoomBy(factor),
+      triangles: (isShown: boolean) => {
+        if (this.view) this.view.triangles = isShown;
+      },
+      loadAll: () => void this.loadScene("felt.glb?full"),
+      screenshot: () => void this.screenshot(),
+      theme: () => {
+        chooseTheme(chosenTheme() === "dark" ? "light" : "dark");
+        this.repaint();
+      },
+    };
+  }
+
+  private async request(request: Request) {
+    return this.connection ? this.connection.request(request)
+                           : { type: "answer" as const, id: 0, ok: false, problem: "not connected" };
+  }
+
+  // A request whose refusal is said.
+  private async tell(request: Request): Promise<void> {
+    const answer = await this.request(request);
+    if (!answer.ok) this.status.say(answer.problem ?? "the server refused the request");
+  }
+
+  private connectionChanged(state: ConnectionState): void {
+    this.status.showConnection(state);
+    this.showControl(state === "live" && (this.hello?.control ?? false));
+  }
+
+  private greet(hello: Hello): void {
+    this.hello = hello;
+    const { scene, device } = hello;
+    element("scene").textContent = `${scene.name} \u00b7 ${device.name}`;
+    element("scene").title = element("scene").textContent ?? "";
+    element("about").textContent = `Palpate ${hello.engine}. ${scene.triangles} triangles` +
+      (scene.simplified ? `, of which the view shows ${scene.shown_triangles} after simplification.` : ".");
+    this.settings.build(hello.settings, device.sensors);
+    this.hand?.letGo();
+    this.hand = new Hand(hello, (target, isHeld) => void this.connection?.point(target, isHeld));
+    this.canvas.setAttribute("aria-label", this.canvasLabel(hello));
+    element("hand-hint").textContent = device.is_simulated ? this.canvasLabel(hello)
+      : "The hand is a real one: the page shows it and does not move it.";
+    this.view?.greet(hello);
+    if (this.view && !this.pointing) {
+      this.pointing = new Pointing(this.canvas, this.view, () => this.activeHand(),
+                                   () => this.state?.record.device_m ?? null);
+    }
+    void this.loadScene("felt.glb");
+    this.buttons.showSimplified(scene.simplified);
+  }
+
+  private canvasLabel(hello: Hello): string {
+    return hello.device.sensors === 2
+      ? "Drag, or press the arrow keys, to move the hand. Esc lets go. Wheel, + and \u2212 zoom."
+      : "Drag, or press the arrow keys, to move the hand; wheel or Page Up and Page Down for depth. " +
+        "Esc lets go. Right button or Shift with a drag or the arrow keys turns the view.";
+  }
+
+  // The hand, if this page may move it.
+  private activeHand(): Hand | null {
+    return this.isInControl && this.hello?.device.is_simulated && !this.state?.isPaused ? this.hand
+                                                                                       : null;
+  }
+
+  private async loadScene(path: string): Promise<void> {
+    const view = this.view;
+    if (!view) return;
+    try {
+      const answer = await fetch(path, { headers: { Authorization: `Bearer ${this.token}` } });
+      if (!answer.ok) throw new Error(`/${path}: the server answers ${answer.status}`);
+      view.load(await answer.arrayBuffer());
+      element("scale").textContent = `grid ${length(view.gridStep_m)}`;
+    } catch (problem) {
+      this.status.say(`The scene is not shown. ${problem instanceof Error ? problem.message : ""}`);
+    }
+  }
+
+  private receiveState(state: State): void {
+    this.state = state;
+    this.status.showState(state, performance.now());
+    this.buttons.showPaused(state.isPaused);
+    this.view?.update(state);
+  }
+
+  private receiveTicks(ticks: Ticks): void {
+    this.charts.add(ticks);
+  }
+
+  private receiveStatus(status: Status): void {
+    this.lastStatus = status;
+    this.status.showStatus(status);
+    this.settings.show(status.settings);
+    if (status.control !== this.isInControl) this.showControl(status.control);
+    this.buttons.showTripped(status.trip !== null);
+  }
+
+  private receiveEvent(event: ServerEvent): void {
+    this.status.say(event.text);
+  }
+
+  private showControl(isInControl: boolean): void {
+    this.isInControl = isInControl;
+    if (!isInControl) this.hand?.letGo();
+    const isWatching = this.status.isLive && !isInControl;
+    element("watch-notice").hidden = !isWatching;
+    this.settings.enable(isInControl);
+    this.buttons.enable(isInControl);
+    this.buttons.showWatching(isWatching);
+  }
+
+  private switchCamera(): void {
+    if (!this.view) return;
+    this.hand?.letGo();
+    this.view.mode = this.view.mode === "camera" ? "classical" : "camera";
+    this.buttons.showCamera(this.view.mode === "camera");
+  }
+
+  private async screenshot(): Promise<void> {
+    const picture = await this.view?.picture();
+    if (!picture) return;
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(picture);
+    link.download = `palpate-${this.state?.record.tick ?? 0}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+
+  private repaint(): void {
+    this.view?.repaint();
+    this.charts.repaint();
+  }
+
+  private keyDown(event: KeyboardEvent): void {
+    const target = event.target as HTMLElement;
+    if (element<HTMLDialogElement>("help").open) return;
+    // Fields of numbers take digits, signs, arrows and the letter e; other letters are keys.
+    if (target instanceof HTMLInputElement && !/^([a-df-z]|Escape)$/i.test(event.key)) return;
+    if (event.key === " " && target instanceof HTMLButtonElement) return; // presses the button
+    if (this.pointing?.key(event) || this.keys.press(event)) event.preventDefault();
+  }
+
+  private loop(): void {
+    const frame = (now_ms: number): void => {
+      this.view?.draw();
+      this.charts.draw(now_ms);
+      requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+}
+
+applyTheme(chosenTheme());
+new Page();

@@ -1,0 +1,106 @@
+// What the page says in words: numbers of the newest tick, the state of the connection, and notices.
+
+import type { ConnectionState } from "./connection.ts";
+import type { Status, State } from "./protocol.ts";
+import { count, faultsInWords } from "./words.ts";
+
+const kLongestGap_ms = 250; // an older state is not shown as a present one
+
+const kConnectionWords: Record<ConnectionState, { short: string; notice: string }> = {
+  connecting: { short: "Connecting", notice: "" },
+  live: { short: "Live", notice: "" },
+  lost: { short: "Disconnected", notice: "The connection ended. Trying to reconnect\u2026" },
+  full: { short: "Waiting", notice: "Eight pages are open already. Trying again\u2026" },
+  "new address": {
+    short: "New address",
+    notice: "The server was restarted, and its address is new. Open the address that palpate view printed.",
+  },
+  "no token": { short: "No access", notice: "Open the address that palpate view printed." },
+  "wrong version": { short: "Reload", notice: "The server has another version. Reload this page." },
+};
+
+function element(id: string): HTMLElement {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no element #${id}`);
+  return found;
+}
+
+function write(id: string, text: string): void {
+  const target = element(id);
+  if (target.textContent !== text) target.textContent = text;
+}
+
+export class StatusPanel {
+  private connection: ConnectionState = "connecting";
+  private received_ms = -Infinity;
+  private missed = 0;
+
+  showConnection(state: ConnectionState): void {
+    this.connection = state;
+    const words = kConnectionWords[state];
+    write("connection", words.short);
+    element("connection").dataset["state"] = state;
+    this.notice("connection-notice", words.notice);
+    if (state !== "live") this.checkAge(Infinity);
+  }
+
+  // now_ms: of performance.now().
+  showState(state: State, now_ms: number): void {
+    this.received_ms = now_ms;
+    document.body.classList.remove("stale");
+    const { record } = state;
+    const isContact = record.contact !== 0;
+    const force_N = Math.hypot(...record.force_device_N);
+    const full_N = Math.hypot(...record.full_force_device_N);
+    const depth_m = Math.hypot(...record.goal_scene_m.map((v, i) => v - (record.proxy_scene_m[i] ?? 0)));
+    write("contact", state.isPaused ? "Paused" : isContact ? "Contact" : "Free");
+    element("contact").dataset["state"] = state.isPaused ? "paused" : isContact ? "contact" : "free";
+    write("angle", isContact ? `${((record.alpha_rad * 180) / Math.PI).toFixed(1)}\u00b0` : "\u2013");
+    write("force", `${force_N.toFixed(2)} N`);
+    write("full", `${full_N.toFixed(2)} N`);
+    write("depth", `${(1000 * depth_m).toFixed(2)} mm`);
+    write("hand", state.isHeld ? "held by a page" : "let go");
+  }
+
+  showStatus(status: Status): void {
+    write("rate", `${count(status.rate_Hz)} Hz`);
+    const delta = status.missed - this.missed;
+    this.missed = status.missed;
+    write("missed", delta > 0 ? `${count(status.missed)} (+${count(delta)})` : count(status.missed));
+    const { step_p50_us: median_us, step_max_us: longest_us } = status;
+    write("step", `${median_us.toFixed(1)} \u00b5s, longest ${longest_us.toFixed(0)} \u00b5s`);
+    write("late", `${count(status.late_p999_us)} \u00b5s`);
+    write("trips", count(status.trips));
+    write("faults", faultsInWords(status.faults) || "none");
+    this.notice("trip-notice", status.trip
+      ? `Tripped: ${status.trip}. The force stays zero until you rearm.` : "");
+    write("clients", count(status.clients));
+  }
+
+  // Marks the state as old if it is.
+  checkAge(now_ms: number): void {
+    if (now_ms - this.received_ms > kLongestGap_ms) document.body.classList.add("stale");
+  }
+
+  // Shows a notice; "": hides it.
+  notice(id: string, text: string): void {
+    write(id, text);
+    element(id).hidden = text === "";
+  }
+
+  // Says something once, to all readers.
+  say(text: string): void {
+    write("said", text);
+    element("said").hidden = text === "";
+    clearTimeout(this.sayTimer);
+    this.sayTimer = window.setTimeout(() => {
+      element("said").hidden = true;
+      write("said", "");
+    }, 6000);
+  }
+  private sayTimer = 0;
+
+  get isLive(): boolean {
+    return this.connection === "live";
+  }
+}

@@ -1,0 +1,217 @@
+#include "engine/viewer/page_settings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, 3> kForces = {"none", "actuated", "full"};
+
+Error wrong_kind(const std::string& name, const std::string& expected) {
+  return invalid_argument(name, "has another kind of value; expected " + expected);
+}
+
+// Calls use(value) if the value has this type.
+template <typename Type, typename Use>
+std::optional<Error> with(const std::string& name, const char* expected, const SettingValue& value,
+                          const Use& use) {
+  const Type* const typed = std::get_if<Type>(&value);
+  if (typed == nullptr) return wrong_kind(name, expected);
+  return use(*typed);
+}
+
+Json axes_json(const std::vector<Vec3>& axes) {
+  Json list = Json::array();
+  for (const Vec3& axis : axes) {
+    const Vec3 unit = axis.normalized();
+    list.push_back({unit.x(), unit.y(), unit.z()});
+  }
+  return list;
+}
+
+// In the unit of the file.
+double initial_value(const Scene& scene, std::uint32_t call, const ParameterKey& key) {
+  const EffectProgram& program = *scene.world().effects;
+  double number = 0.0;
+  std::memcpy(&number, program.parameters.data() + program.calls[call].parameters + key.offset,
+              sizeof number);
+  return key.scales_as_length ? number / scene.statistics().scale : number;
+}
+
+// The index of a word in a list, or the list's size.
+template <typename List>
+std::size_t index_of(const List& words, const std::string& word) {
+  return static_cast<std::size_t>(std::find(words.begin(), words.end(), word) - words.begin());
+}
+
+}  // namespace
+
+PageSettings::PageSettings(const Scene& scene, LiveSettings& live, MaterialTuner& tuner,
+                           bool has_axes, bool has_full_force)
+    : live_(live), tuner_(tuner) {
+  add_loop_settings(has_axes, has_full_force);
+  for (const MaterialCalls& material : scene.material_calls()) {
+    for (const std::uint32_t call : material.calls) add_material(scene, material.material, call);
+  }
+  std::size_t number = 0;
+  for (Setting& setting : settings_) {
+    if (setting.key.empty() && number < 9) setting.key = std::to_string(++number);
+  }
+}
+
+void PageSettings::add_loop_settings(bool has_axes, bool has_full_force) {
+  add_a4();
+  if (has_axes) add_axes();
+  add_force(has_full_force);
+  add_number(
+      {"stiffness", "stiffness", "number", "N/m", 0.0, live_.most_stiffness_N_per_m(), {}, "k"},
+      [this](double value) { return live_.set_stiffness(value); },
+      [this] { return Json(live_.stiffness_N_per_m()); });
+  add_number(
+      {"damping", "damping", "number", "N s/m", 0.0, live_.most_damping_Ns_per_m(), {}, "b"},
+      [this](double value) { return live_.set_damping(value); },
+      [this] { return Json(live_.damping_Ns_per_m()); });
+}
+
+void PageSettings::add_a4() {
+  Setting setting{"a4", "A4", "flag", "", 0.0, 0.0, {}, "a"};
+  setting.change = [this](const SettingValue& value) {
+    return with<bool>("a4", "true or false", value, [this](bool on) -> std::optional<Error> {
+      live_.set_a4(on);
+      return std::nullopt;
+    });
+  };
+  setting.value = [this] { return Json(live_.a4()); };
+  settings_.push_back(std::move(setting));
+}
+
+void PageSettings::add_axes() {
+  using Axes = std::vector<std::array<double, 3>>;
+  Setting setting{"axes", "actuated axes", "axes", "", 0.0, 0.0, {}, "x"};
+  setting.change = [this](const SettingValue& value) {
+    return with<Axes>("axes", "a list of axes", value, [this](const Axes& list) {
+      std::vector<Vec3> axes;
+      for (const auto& axis : list) axes.emplace_back(axis.data());
+      return live_.set_axes(axes);
+    });
+  };
+  setting.value = [this] { return axes_json(live_.axes()); };
+  settings_.push_back(std::move(setting));
+}
+
+void PageSettings::add_force(bool has_full_force) {
+  Setting setting{"force", "force", "choice", "", 0.0, 0.0, {}, "f"};
+  setting.choices.assign(kForces.begin(), kForces.end() - (has_full_force ? 0 : 1));
+  const auto set = [this](double index) -> std::optional<Error> {
+    live_.set_force(static_cast<ForceMode>(static_cast<int>(index)));
+    return std::nullopt;
+  };
+  add_choice(std::move(setting), set, [this] { return static_cast<double>(live_.force()); });
+}
+
+void PageSettings::add_number(Setting setting, std::function<std::optional<Error>(double)> set,
+                              std::function<Json()> value) {
+  setting.change = [name = setting.name, set = std::move(set)](const SettingValue& wanted) {
+    return with<double>(name, "a number", wanted, set);
+  };
+  setting.value = std::move(value);
+  settings_.push_back(std::move(setting));
+}
+
+void PageSettings::add_choice(Setting setting, std::function<std::optional<Error>(double)> set,
+                              std::function<double()> value) {
+  setting.change = [name = setting.name, choices = setting.choices,
+                    set = std::move(set)](const SettingValue& wanted) {
+    return with<std::string>(name, "one of its choices", wanted,
+                             [&](const std::string& word) -> std::optional<Error> {
+                               const std::size_t i = index_of(choices, word);
+                               if (i == choices.size())
+                                 return wrong_kind(name, "one of its choices");
+                               return set(static_cast<double>(i));
+                             });
+  };
+  setting.value = [choices = setting.choices, value = std::move(value)] {
+    return Json(choices[static_cast<std::size_t>(value())]);
+  };
+  settings_.push_back(std::move(setting));
+}
+
+void PageSettings::add_material(const Scene& scene, const std::string& material,
+                                std::uint32_t call) {
+  for (const ParameterKey& key :
+       compiled_effects()[scene.world().effects->calls[call].effect].keys) {
+    add_key(scene, material, call, key);
+  }
+}
+
+void PageSettings::add_key(const Scene& scene, const std::string& material, std::uint32_t call,
+                           const ParameterKey& key) {
+  Setting setting;
+  setting.name = "material/" + material + "/" + std::string(key.key);
+  const bool is_known = std::any_of(settings_.begin(), settings_.end(),
+                                    [&](const Setting& s) { return s.name == setting.name; });
+  if (is_known) return;
+  const auto handle = tuner_.add(material, std::string(key.key));
+  if (!handle) return;  // fixed when the scene is compiled
+  setting.label = material + ": " + std::string(key.key);
+  setting.unit = key.unit;
+  setting.low = key.least;
+  setting.high = key.most;
+  const auto now = std::make_shared<double>(initial_value(scene, call, key));
+  const auto set = [this, handle = *handle, now](double value) {
+    auto error = tuner_.set(handle, value);
+    if (!error) *now = value;
+    return error;
+  };
+  if (key.kind == ParameterKey::Kind::kChoice) {
+    setting.kind = "choice";
+    setting.choices.assign(key.choices.begin(), key.choices.end());
+    return add_choice(std::move(setting), set, [now] { return *now; });
+  }
+  setting.kind = "number";
+  add_number(std::move(setting), set, [now] { return Json(*now); });
+}
+
+std::optional<Error> PageSettings::set(const std::string& name, const SettingValue& value) {
+  const auto found = std::find_if(settings_.begin(), settings_.end(),
+                                  [&](const Setting& s) { return s.name == name; });
+  if (found == settings_.end()) {
+    constexpr std::size_t kShown = 64;
+    return invalid_argument(name.substr(0, kShown), "is not a setting");
+  }
+  return found->change(value);
+}
+
+Json PageSettings::list() const {
+  Json list = Json::array();
+  for (const Setting& s : settings_) {
+    Json entry = {{"name", s.name}, {"label", s.label}, {"kind", s.kind}, {"value", s.value()}};
+    if (s.kind == "number") {
+      entry["low"] = s.low;
+      entry["high"] = s.high;
+      entry["unit"] = s.unit;
+    }
+    if (s.kind == "choice") entry["choices"] = s.choices;
+    entry["key"] = s.key;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+Json PageSettings::values() const {
+  Json values = Json::object();
+  for (const Setting& s : settings_) values[s.name] = s.value();
+  return values;
+}
+
+}  // namespace palpate

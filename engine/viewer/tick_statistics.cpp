@@ -1,0 +1,39 @@
+#include "engine/viewer/tick_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace palpate {
+
+void TickStatistics::add(std::span<const TickSummary> rows) {
+  for (const TickSummary& row : rows) {
+    if (late_us_.size() < kTicks) {
+      late_us_.push_back(row.late_us);
+      step_us_.push_back(row.step_us);
+    } else {
+      late_us_[next_] = row.late_us;
+      step_us_[next_] = row.step_us;
+      next_ = (next_ + 1) % kTicks;
+    }
+    for (std::size_t bit = 0; row.faults != 0 && bit < faults_.size(); ++bit) {
+      faults_[bit] += (row.faults >> bit) & 1u;
+    }
+  }
+}
+
+double TickStatistics::percentile(std::vector<float> times_us, double share) {
+  if (times_us.empty()) return 0.0;
+  const double rank = std::ceil(share * static_cast<double>(times_us.size()));
+  const std::size_t index =
+      std::min(times_us.size() - 1, static_cast<std::size_t>(std::max(0.0, rank - 1.0)));
+  const auto at = times_us.begin() + static_cast<std::ptrdiff_t>(index);
+  std::nth_element(times_us.begin(), at, times_us.end());
+  return static_cast<double>(*at);
+}
+
+std::array<std::uint64_t, 32> TickStatistics::take_faults() {
+  return std::exchange(faults_, {});
+}
+
+}  // namespace palpate

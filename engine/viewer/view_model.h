@@ -1,0 +1,51 @@
+#pragma once
+
+// What the server of `view` shows and changes.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/viewer/messages.h"
+#include "engine/viewer/page_request.h"
+#include "engine/viewer/tick_summary.h"
+
+namespace palpate {
+
+// Unless a comment says otherwise, the network thread calls these functions. They must not wait for
+// the haptic thread.
+class ViewModel {
+ public:
+  virtual ~ViewModel() = default;
+
+  // Copies the newest state. Returns false if there is none yet.
+  virtual bool newest(ViewState& state, std::vector<BodyPose>& bodies) = 0;
+  // Appends the ticks since the last call to `rows`. Returns the number of ticks that were lost.
+  virtual std::uint64_t take_ticks(std::vector<TickSummary>& rows) = 0;
+  // The nominal rate of ticks.
+  virtual double rate_Hz() const = 0;
+
+  // JSON objects in one line, with a "type". The server appends "control" to both.
+  virtual std::string hello() = 0;
+  virtual std::string status(std::size_t clients) = 0;
+  // What happened since the last call, such as a trip.
+  struct Event {
+    std::string kind;
+    std::string text;
+  };
+  virtual std::optional<Event> take_event() = 0;
+
+  // The page in control moves the hand, or lets go.
+  virtual void point(const PointerMessage& message) = 0;
+  virtual void let_go() = 0;
+  // Carry out kSet, kRearm, kPause or kStart. Returns one line if that is refused.
+  virtual std::optional<std::string> carry_out(const PageRequest& request) = 0;
+
+  // The bytes of /felt.glb, never null. Called on a thread that may wait; thread-safe.
+  virtual std::shared_ptr<const std::string> scene_bytes(bool full) = 0;
+};
+
+}  // namespace palpate

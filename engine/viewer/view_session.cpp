@@ -1,0 +1,299 @@
+#include "engine/viewer/view_session.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/scene/felt_glb.h"
+#include "engine/simulation/placed_bounds.h"
+#include "engine/simulation/workspace.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A name of a file may hold bytes that are not UTF-8.
+std::string line_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json vector_json(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+// The simulated hand of a page has no noise of its own: it rests where the pointer rests.
+PlantSettings plant_of(const RunSetup& setup) {
+  PlantSettings plant;
+  plant.device = setup.device;
+  plant.intention_noise_m = 0.0;
+  if (setup.haptics.force != ForceMode::kFull) return plant;
+  plant.device.motor_count = setup.actuation.sensors();  // as in HandSession
+  for (int i = 0; i < plant.device.motor_count; ++i) {
+    const Vec3 axis = Vec3::Unit(i);
+    plant.device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(),
+                                                                         axis.z()};
+  }
+  return plant;
+}
+
+std::size_t most_moving(const Scene& scene, const RunSetup& setup) {
+  if (setup.moves.empty()) return 0;
+  return std::min(scene.objects().size(), LiveWorld::kMostMoving);
+}
+
+std::string trip_text(const GovernorTrip& trip) {
+  std::ostringstream text;
+  text << kTripReasonNames[static_cast<std::size_t>(trip.reason)] << " at " << trip.time_s
+       << " s, tick " << trip.tick;
+  if (trip.limit > 0.0) text << ": " << trip.value << ", limit " << trip.limit;
+  return text.str();
+}
+
+std::string_view fault_name(std::size_t bit) {
+  if (bit < kFaultNames.size()) return kFaultNames[bit];
+  if (bit < kFirstGovernorFault) return "unknown";
+  const std::size_t rule = bit - kFirstGovernorFault;
+  return rule < kGovernorRuleNames.size() ? kGovernorRuleNames[rule] : "unknown";
+}
+
+}  // namespace
+
+Vec3 resting_place_m(const Scene& scene, const RunSetup& setup) {
+  if (scene.objects().empty()) return Vec3::Zero();
+  const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
+  const int sensors = setup.actuation.sensors();
+  const double room_m = hand_workspace(sensors, workspace_extent_m(setup.device)).room_m;
+  const double away_m = 0.5 * room_m + setup.haptics.god_object.radius_m;
+  Vec3 place = 0.5 * (bounds.low + bounds.high);
+  if (setup.actuation.is_planar()) {
+    place.x() = bounds.low.x() - away_m;
+    place.z() = setup.haptics.plane_height_m;
+  } else {
+    place.z() = bounds.high.z() + away_m;
+  }
+  return place;
+}
+
+Result<std::unique_ptr<ViewSession>> ViewSession::create(const Scene& scene, const RunSetup& setup,
+                                                         const ViewSettings& settings,
+                                                         GuardableDevice* device) {
+  if (device == nullptr) {
+    if (auto error = check_plant(plant_of(setup), setup.dt_s)) return *error;
+  }
+  auto mover = SteadyMotions::create(scene, setup.moves);
+  if (!mover) return mover.error();
+  std::unique_ptr<ViewSession> session(
+      new ViewSession(scene, setup, settings, device, std::move(*mover)));
+  if (auto error = session->encode_scene()) return *error;
+  return session;
+}
+
+ViewSession::ViewSession(const Scene& scene, const RunSetup& setup, const ViewSettings& settings,
+                         GuardableDevice* device, SteadyMotions mover)
+    : scene_(scene),
+      setup_(setup),
+      settings_(settings),
+      person_(device),
+      start_m_(resting_place_m(scene, setup)),
+      mover_(std::move(mover)),
+      tuner_(scene),
+      live_(scene, setup),
+      page_settings_(scene, live_, tuner_, device == nullptr, device == nullptr),
+      plan_(start_m_),
+      simulated_(plant_of(setup), plan_, start_m_, setup.haptics.initial_pose,
+                 setup.actuation.is_planar()),
+      held_(simulated_, live_),
+      loop_(scene.world(), setup.actuation, setup.haptics),
+      publisher_(loop_, device == nullptr ? &plan_ : nullptr, most_moving(scene, setup)),
+      session_(
+          loop_, device == nullptr ? static_cast<Device&>(held_) : *device,
+          {.changes = {&mover_, &tuner_, &live_},
+           .observers = device == nullptr ? std::vector<TickObserver*>{&publisher_, &simulated_}
+                                          : std::vector<TickObserver*>{&publisher_},
+           .max_force_N = setup.max_force_N,
+           .takes_motors = device != nullptr && settings.takes_motors}) {
+  const HapticThreadSettings thread{1.0 / setup.dt_s, 0, settings.cpu};
+  if (device == nullptr) {
+    thread_ = std::make_unique<HapticThread>(session_, thread);
+  } else {
+    guarded_ = std::make_unique<GuardedRun>(
+        *device, session_,
+        GuardedRunSettings{thread, settings.has_guard, settings.without_realtime});
+  }
+}
+
+ViewSession::~ViewSession() {
+  stop();
+}
+
+const HapticThread& ViewSession::thread() const {
+  return thread_ ? *thread_ : guarded_->thread();
+}
+
+std::optional<Error> ViewSession::start() {
+  counted_at_ = std::chrono::steady_clock::now();
+  if (guarded_) {
+    if (auto error = guarded_->start()) return error;
+    warnings_ = guarded_->warnings();
+    return std::nullopt;
+  }
+  RealtimeStatus status = thread_->start();
+  if (!status.explanation.empty()) warnings_.push_back(std::move(status.explanation));
+  return std::nullopt;
+}
+
+void ViewSession::stop() {
+  if (thread_) thread_->stop();
+  if (guarded_) guarded_->stop();
+  session_.stop();
+}
+
+bool ViewSession::newest(ViewState& state, std::vector<BodyPose>& bodies) {
+  if (!publisher_.newest(session_, state, bodies)) return false;
+  if (is_paused_) state.flags |= kViewPaused;
+  return true;
+}
+
+std::uint64_t ViewSession::take_ticks(std::vector<TickSummary>& rows) {
+  const std::size_t first = rows.size();
+  const std::uint64_t lost = publisher_.take_ticks(rows);
+  statistics_.add(std::span(rows).subspan(first));
+  return lost;
+}
+
+std::string ViewSession::hello() {
+  const SceneStatistics& facts = scene_.statistics();
+  const DeviceDescription& device = is_simulated() ? held_.description() : person_->description();
+  Json json = {{"type", "hello"}, {"version", kViewVersion}, {"engine", PALPATE_VERSION}};
+  json["scene"] = {{"name", settings_.scene_name},
+                   {"triangles", triangles_},
+                   {"shown_triangles", shown_triangles_},
+                   {"simplified", shown_triangles_ < triangles_},
+                   {"low_m", vector_json(facts.bounds_scene.low)},
+                   {"high_m", vector_json(facts.bounds_scene.high)},
+                   {"extent_m", vector_json(facts.extent_m)}};
+  json["device"] = {{"name", device.name},
+                    {"sensors", setup_.actuation.sensors()},
+                    {"workspace_m", workspace_extent_m(setup_.device)},
+                    {"low_m", device.workspace_low_m},
+                    {"high_m", device.workspace_high_m},
+                    {"is_simulated", is_simulated()},
+                    {"moves_motors", device.moves_motors}};
+  json["rate_Hz"] = rate_Hz();
+  json["plane_height_m"] =
+      setup_.actuation.is_planar() ? Json(setup_.haptics.plane_height_m) : Json();
+  json["proxy_radius_m"] = setup_.haptics.god_object.radius_m;
+  json["settings"] = page_settings_.list();
+  json["start_device_m"] = vector_json(start_m_);
+  return line_of(json);
+}
+
+double ViewSession::measured_rate_Hz() {
+  constexpr double kShortest_s = 0.1;  // a shorter time counts too few ticks
+  const auto now = std::chrono::steady_clock::now();
+  const double passed_s = std::chrono::duration<double>(now - counted_at_).count();
+  if (passed_s < kShortest_s) return last_rate_Hz_;
+  const std::uint64_t ticks = thread().ticks();
+  last_rate_Hz_ = static_cast<double>(ticks - counted_ticks_) / passed_s;
+  counted_ticks_ = ticks;
+  counted_at_ = now;
+  return last_rate_Hz_;
+}
+
+std::string ViewSession::status(std::size_t clients) {
+  GovernorStatus governor;
+  session_.latest(governor);
+  Json json = {{"type", "status"}, {"rate_Hz", measured_rate_Hz()}};
+  json["missed"] = thread().missed_deadlines();
+  json["late_p999_us"] = statistics_.late_us(0.999);
+  json["step_p50_us"] = statistics_.step_us(0.5);
+  json["step_max_us"] = statistics_.step_us(1.0);
+  json["trips"] = governor.trips;
+  const bool is_tripped = governor.state == GovernorState::kTripped;
+  json["trip"] = is_tripped ? Json(trip_text(governor.trip)) : Json();
+  json["faults"] = Json::object();
+  const auto faults = statistics_.take_faults();
+  for (std::size_t bit = 0; bit < faults.size(); ++bit) {
+    if (faults[bit] > 0) json["faults"][std::string(fault_name(bit))] = faults[bit];
+  }
+  json["clients"] = clients;
+  json["paused"] = is_paused_;
+  json["settings"] = page_settings_.values();
+  return line_of(json);
+}
+
+std::optional<ViewModel::Event> ViewSession::take_event() {
+  GovernorStatus governor;
+  if (!session_.latest(governor) || governor.trips == told_trips_) return std::nullopt;
+  told_trips_ = governor.trips;
+  return Event{"trip", "the force was cut: " + trip_text(governor.trip)};
+}
+
+// The target is kept inside the workspace.
+void ViewSession::point(const PointerMessage& message) {
+  PointerMessage inside = message;
+  for (std::size_t k = 0; k < 3; ++k) {
+    inside.target_m[k] = std::clamp(message.target_m[k], setup_.device.workspace_low_m[k],
+                                    setup_.device.workspace_high_m[k]);
+  }
+  plan_.point(inside);
+}
+
+void ViewSession::let_go() {
+  plan_.let_go();
+}
+
+void ViewSession::pause(bool paused) {
+  is_paused_ = paused;
+  held_.set_paused(paused);
+  session_.set_paused(paused);
+}
+
+std::optional<std::string> ViewSession::carry_out(const PageRequest& request) {
+  switch (request.kind) {
+    case PageRequest::Kind::kSet:
+      if (const auto error = page_settings_.set(request.name, request.value)) {
+        return error->element + ": " + error->problem;  // hints are for command lines
+      }
+      return std::nullopt;
+    case PageRequest::Kind::kRearm:
+      session_.rearm();
+      return std::nullopt;
+    case PageRequest::Kind::kPause:
+      pause(std::get<bool>(request.value));
+      return std::nullopt;
+    case PageRequest::Kind::kStart:
+      if (!is_simulated()) return "start: a person holds the device";
+      plan_.start();
+      return std::nullopt;
+    default:
+      return "this request is not for the session";
+  }
+}
+
+std::optional<Error> ViewSession::encode_scene() {
+  auto felt = encode_felt_scene(scene_, kMostShownTriangles);
+  if (!felt) return felt.error();
+  triangles_ = felt->triangles;
+  shown_triangles_ = felt->shown_triangles;
+  shown_ = std::make_shared<const std::string>(std::move(felt->bytes));
+  return std::nullopt;
+}
+
+std::shared_ptr<const std::string> ViewSession::scene_bytes(bool full) {
+  if (!full || shown_triangles_ == triangles_) return shown_;
+  const std::lock_guard lock(full_mutex_);
+  if (!full_) {
+    auto felt = encode_felt_scene(scene_);
+    if (!felt) return shown_;
+    full_ = std::make_shared<const std::string>(std::move(felt->bytes));
+  }
+  return full_;
+}
+
+}  // namespace palpate

@@ -1,0 +1,121 @@
+#pragma once
+
+// A haptic session that a page watches and changes.
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/devices/guardable_device.h"
+#include "engine/session/guarded_run.h"
+#include "engine/session/haptic_session.h"
+#include "engine/session/haptic_thread.h"
+#include "engine/session/material_tuner.h"
+#include "engine/session/run_setup.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/viewer/held_device.h"
+#include "engine/viewer/live_settings.h"
+#include "engine/viewer/page_settings.h"
+#include "engine/viewer/pointer_plan.h"
+#include "engine/viewer/state_publisher.h"
+#include "engine/viewer/tick_statistics.h"
+#include "engine/viewer/view_model.h"
+
+namespace palpate {
+
+struct ViewSettings {
+  std::string scene_name;  // what the page shows as its name
+  std::optional<int> cpu;  // see HapticThreadSettings
+  bool has_guard = true;   // see GuardedRunSettings
+  bool without_realtime = false;
+  bool takes_motors = true;  // see SessionParts
+};
+
+// A scene with more triangles is simplified for the display.
+inline constexpr std::size_t kMostShownTriangles = 300'000;
+
+// The place where the simulated hand rests at first: in front of the scene, where no surface is.
+// With 2 sensors it is below the scene along A1, otherwise above it along A3. Device frame.
+Vec3 resting_place_m(const Scene& scene, const RunSetup& setup);
+
+// Owns the loop, the device or its driver's session, the haptic thread, and what lies between them
+// and the server. The owner's thread calls create(), start(), stop() and the destructor; the
+// network thread calls the functions of ViewModel between start() and stop().
+class ViewSession final : public ViewModel {
+ public:
+  // The caller must have checked setup (check_setup). device: null for the simulated hand. The
+  // scene and the device must outlive this object. Errors: a node of setup.moves does not exist;
+  // the simulated hand would be unstable (check_plant); the scene has no GLB.
+  static Result<std::unique_ptr<ViewSession>> create(const Scene& scene, const RunSetup& setup,
+                                                     const ViewSettings& settings,
+                                                     GuardableDevice* device = nullptr);
+  ~ViewSession() override;  // calls stop()
+
+  // Starts the haptic thread. An Error names what the device or its guard lacks.
+  std::optional<Error> start();
+  // Ends the thread after zero force.
+  void stop();
+
+  // One line each, after start(): privileges that the system refused.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  const HapticThread& thread() const;
+
+  bool newest(ViewState& state, std::vector<BodyPose>& bodies) override;
+  std::uint64_t take_ticks(std::vector<TickSummary>& rows) override;
+  double rate_Hz() const override { return 1.0 / setup_.dt_s; }
+  std::string hello() override;
+  std::string status(std::size_t clients) override;
+  std::optional<Event> take_event() override;
+  void point(const PointerMessage& message) override;
+  void let_go() override;
+  std::optional<std::string> carry_out(const PageRequest& request) override;
+  std::shared_ptr<const std::string> scene_bytes(bool full) override;
+
+ private:
+  ViewSession(const Scene& scene, const RunSetup& setup, const ViewSettings& settings,
+              GuardableDevice* device, SteadyMotions mover);
+
+  bool is_simulated() const { return person_ == nullptr; }
+  std::optional<Error> encode_scene();
+  void pause(bool paused);
+  double measured_rate_Hz();
+
+  const Scene& scene_;
+  RunSetup setup_;
+  ViewSettings settings_;
+  GuardableDevice* person_;  // null: the hand is simulated
+  Vec3 start_m_;
+
+  SteadyMotions mover_;
+  MaterialTuner tuner_;
+  LiveSettings live_;
+  PageSettings page_settings_;
+  PointerPlan plan_;
+  SimulatedDevice simulated_;
+  HeldDevice held_;
+  HapticLoop loop_;
+  StatePublisher publisher_;
+  HapticSession session_;
+  std::unique_ptr<HapticThread> thread_;  // with the simulated hand
+  std::unique_ptr<GuardedRun> guarded_;   // with a device
+  std::vector<std::string> warnings_;
+
+  // Of the network thread.
+  bool is_paused_ = false;
+  TickStatistics statistics_;
+  std::uint64_t told_trips_ = 0;
+  std::uint64_t counted_ticks_ = 0;
+  std::chrono::steady_clock::time_point counted_at_;
+  double last_rate_Hz_ = 0.0;
+
+  std::shared_ptr<const std::string> shown_;  // /felt.glb
+  std::size_t triangles_ = 0;
+  std::size_t shown_triangles_ = 0;
+  std::mutex full_mutex_;
+  std::shared_ptr<const std::string> full_;  // made when it is asked for
+};
+
+}  // namespace palpate

@@ -1,0 +1,117 @@
+// The command `view`, started as a script starts it.
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/viewer/page_files.h"
+#include "tests/engine/cli/run_program.h"
+#include "tests/engine/viewer/raw_client.h"
+
+namespace palpate {
+namespace {
+
+using test::content_of;
+using test::Outcome;
+using test::run_program;
+using test::TemporaryFolder;
+
+const std::string kViewedStar = PALPATE_MODELS_DIR "/star.glb";
+
+// The same in a program with the page and in one without it.
+TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
+  const TemporaryFolder folder;
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"view"},
+        {"view", "no-such.glb"},
+        {"view", kViewedStar, "--port", "65536"},
+        {"view", kViewedStar, "--port", "-1"},
+        {"view", kViewedStar, "--a4", "compare"},
+        {"view", kViewedStar, "--cpu", "0"},
+        {"view", kViewedStar, "--device", "hapi:port=/no/such/port"}}) {
+    const Outcome outcome = run_program(folder, arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST(ViewCommand, SaysWhatToRunWithoutThePage) {
+  if (embedded_page()) return;  // ServesUntilCtrlC then
+  const TemporaryFolder folder;
+  const Outcome outcome = run_program(folder, {"view", kViewedStar});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.err,
+            "palpate: view: is not complete: the program has no page (run ./run.sh view, which "
+            "installs npm if it is missing and builds the page)\n");
+}
+
+// A program that serves, and the port that it has printed.
+class Serving {
+ public:
+  Serving(const TemporaryFolder& folder, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"view", kViewedStar});
+    program_ = test::start_program(folder, arguments);
+    const auto end = std::chrono::steady_clock::now() + test::kPatience;
+    while (content_of(program_.out).find('\n') == std::string::npos &&
+           std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    address = content_of(program_.out);
+    const std::size_t colon = address.rfind(':');
+    port = colon == std::string::npos ? 0 : std::stoi(address.substr(colon + 1));
+  }
+  Outcome end_with(int signal) {
+    ::kill(program_.process, signal);
+    return test::outcome_of(program_);
+  }
+
+  std::string address;
+  int port = 0;
+
+ private:
+  test::StartedProgram program_;
+};
+
+TEST(ViewCommand, ServesUntilCtrlC) {
+  if (!embedded_page()) return;  // SaysWhatToRunWithoutThePage then
+  const TemporaryFolder folder;
+  Serving serving(folder, {});
+  ASSERT_GT(serving.port, 0);
+  const auto port = static_cast<std::uint16_t>(serving.port);
+  const std::string start = "http://127.0.0.1:" + std::to_string(port) + "/#";
+  ASSERT_EQ(serving.address.rfind(start, 0), 0u) << serving.address;
+  const std::string token = serving.address.substr(start.size(), 32);
+  EXPECT_EQ(serving.address, start + token + "\n");
+  test::WebSocketClient page(port);
+  page.send_text(R"({"type":"token","token":")" + token + "\"}");
+  page.read_text_with("\"hello\"");
+  const Outcome taken = run_program(folder, {"view", kViewedStar, "--port", std::to_string(port)});
+  EXPECT_EQ(taken.exit_code, 2);
+  EXPECT_EQ(taken.err, "palpate: --port: is " + std::to_string(port) +
+                           ", which is taken; expected a free port (choose another one, or 0 for "
+                           "any)\n");
+  const Outcome outcome = serving.end_with(SIGINT);
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  page.read_text_with("\"kind\":\"end\"");
+  EXPECT_EQ(page.read_to_close(), 1001);
+}
+
+TEST(ViewCommand, WarnsOfAnAddressThatOthersReach) {
+  if (!embedded_page()) return;
+  const TemporaryFolder folder;
+  Serving serving(folder, {"--listen", "0.0.0.0"});
+  const Outcome outcome = serving.end_with(SIGTERM);
+  EXPECT_EQ(outcome.exit_code, 143);
+  EXPECT_NE(outcome.err.find("warning: --listen: others on the network"), std::string::npos)
+      << outcome.err;
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,159 @@
+// Opens the page of `palpate view` in headless Chromium, for tests.
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+import { pathToFileURL } from "node:url";
+
+const driver = await import(pathToFileURL(join(process.env.PALPATE_DRIVER, "index.mjs")));
+
+export const kProject = process.env.PALPATE_PROJECT;
+export const kPrograms = process.env.PALPATE_PROGRAMS.split(":");
+export const kStep_ms = 240_000; // only ends a test that hangs
+
+// All flags of Chromium: software drawing, and no name is resolved but loopback.
+const kFlags = [
+  "--no-sandbox",
+  "--use-gl=angle",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+  "--disable-background-networking",
+  "--force-color-profile=srgb",
+];
+const kFlagsWithoutWebgl = ["--disable-gpu", "--disable-3d-apis", "--disable-software-rasterizer"];
+
+// Starts Chromium. hasWebgl false: without WebGL.
+export function openBrowser(hasWebgl = true) {
+  return driver.chromium.launch({
+    timeout: kStep_ms,
+    executablePath: process.env.PALPATE_CHROMIUM,
+    args: hasWebgl ? kFlags : [...kFlags.filter((flag) => !/swiftshader|angle/.test(flag)),
+                               ...kFlagsWithoutWebgl],
+  });
+}
+
+// Opens an address of the page. `complaints` of the result collects errors of the console, reports of
+// the content security policy and requests that leave loopback.
+export async function openPage(browser, address, options = {}) {
+  const context = await browser.newContext({
+    viewport: options.viewport ?? { width: 1000, height: 640 }, // drawn in software
+    colorScheme: options.theme ?? "light",
+  });
+  const page = await context.newPage();
+  page.setDefaultTimeout(kStep_ms);
+  const complaints = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) complaints.push(`console: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => complaints.push(`error: ${error.stack}`));
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    if (url.protocol !== "blob:" && url.hostname !== "127.0.0.1") complaints.push(`request: ${url}`);
+  });
+  await page.addInitScript(() => addEventListener("securitypolicyviolation", (event) =>
+    console.error(`policy: ${event.violatedDirective} ${event.blockedURI}`)));
+  page.complaints = complaints;
+  page.pending = new Set(); // requests without an answer
+  page.on("request", (request) => page.pending.add(request.url()));
+  for (const end of ["requestfinished", "requestfailed"]) {
+    page.on(end, (request) => page.pending.delete(request.url()));
+  }
+  await explained(page, page.goto(address, { timeout: kStep_ms }));
+  return page;
+}
+
+// Fails if the page complained of anything that is not expected.
+export function assertClean(page, expected = /^$/) {
+  assert.deepEqual(page.complaints.filter((text) => !expected.test(text)), []);
+}
+
+// Adds to the error of a step what the page was waiting for and what it had complained of.
+async function explained(page, step) {
+  try {
+    return await step;
+  } catch (error) {
+    error.message += `\npending: ${[...page.pending].join(" ")}\n${page.complaints.join("\n")}`;
+    throw error;
+  }
+}
+
+// Waits until the function is true in the page.
+export function until(page, predicate, argument) {
+  return explained(page, page.waitForFunction(predicate, argument, { timeout: kStep_ms, polling: 20 }));
+}
+
+// Waits until the page receives states.
+export function untilLive(page) {
+  return until(page, () => window.palpate?.isLive() && window.palpate.state() !== null);
+}
+
+// Waits until the page draws the scene.
+export function untilDrawn(page) {
+  return until(page, () => window.palpate?.drawnBodies() > 0 && window.palpate.drawnTick() >= 0);
+}
+
+// No program outlives the test.
+const children = new Set();
+process.once("exit", () => children.forEach((child) => child.kill("SIGKILL")));
+for (const signal of ["SIGINT", "SIGTERM"]) process.once(signal, () => process.exit(1));
+
+// A program that prints the address of a page in a line. ask(command) sends a line and waits for the
+// next one.
+export async function startProgram(program, args) {
+  const child = spawn(program, args, { stdio: ["pipe", "pipe", "inherit"] });
+  children.add(child);
+  child.once("exit", () => children.delete(child));
+  const lines = createInterface({ input: child.stdout })[Symbol.asyncIterator]();
+  let address = null;
+  while (!address) {
+    const { value, done } = await lines.next();
+    assert.ok(!done, `${program} ended without printing an address`);
+    address = value.match(/http:\/\/[0-9.]+:[0-9]+\/#[0-9a-f]{32}/)?.[0] ?? null;
+  }
+  return {
+    address,
+    port: Number(new URL(address).port),
+    child,
+    ask: async (command) => {
+      child.stdin.write(`${JSON.stringify(command)}\n`);
+      assert.equal((await lines.next()).value, "done");
+    },
+    stop: async () => {
+      const ended = new Promise((resolve) => child.once("exit", resolve));
+      child.stdin.end();
+      child.kill("SIGINT");
+      await ended;
+    },
+  };
+}
+
+// Makes the view exactly this large, whatever surrounds it.
+export async function resizeView(page, width, height) {
+  for (let round = 0; round < 2; ++round) {
+    const { width: w, height: h } = page.viewportSize();
+    const box = await page.locator("#view").boundingBox();
+    await page.setViewportSize({ width: Math.round(w + width - box.width),
+                                 height: Math.round(h + height - box.height) });
+  }
+  await until(page, ([w, h]) => {
+    const canvas = document.getElementById("view");
+    return canvas.width === w && canvas.height === h;
+  }, [width, height]);
+}
+
+// Hides what lies over the drawing.
+export function hideWords(page) {
+  return page.evaluate(() => {
+    for (const id of ["readout", "key", "notices"]) document.getElementById(id).style.display = "none";
+  });
+}
+
+// The folder for pictures that are looked at.
+export function pictureFolder() {
+  const folder = process.env.PALPATE_PICTURES;
+  mkdirSync(folder, { recursive: true });
+  return folder;
+}

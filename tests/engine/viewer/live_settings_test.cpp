@@ -1,0 +1,290 @@
+// Settings that a page changes, as they reach the haptic thread.
+
+#include "engine/viewer/live_settings.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/session/haptic_session.h"
+#include "engine/session/run_setup.h"
+#include "engine/viewer/held_device.h"
+#include "engine/viewer/page_settings.h"
+#include "haptics/record_vectors.h"
+
+namespace palpate::test {
+namespace {
+
+Scene loaded_scene(const std::string& model) {
+  auto scene = Scene::load(PALPATE_MODELS_DIR "/" + model);
+  EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().to_string());
+  return std::move(*scene);
+}
+
+const Scene& star() {
+  static const Scene scene = loaded_scene("star.glb");
+  return scene;
+}
+
+PlantSettings quiet_plant(const RunSetup& setup) {
+  PlantSettings plant;
+  plant.device = setup.device;
+  plant.intention_noise_m = 0.0;
+  return plant;
+}
+
+// A target that moves slowly from outside of the star through its middle and back.
+class Sweep final : public HandPlan {
+ public:
+  HandTarget target(double time_s, const ScenePose&, const TickRecord&) noexcept override {
+    return {{-0.12 * std::cos(3.0 * time_s), 0.02, 0.0}, Vec3::Zero()};
+  }
+};
+
+class Records final : public TickObserver {
+ public:
+  void on_tick(const TickRecord& record) noexcept override {
+    all.push_back(record);
+    all.back().step_ns = 0;  // measured
+  }
+  std::vector<TickRecord> all;
+};
+
+RunSetup made_setup(const RunSettings& settings) {
+  const auto setup = make_setup(settings);
+  EXPECT_TRUE(setup.ok()) << setup.error().to_string();
+  return *setup;
+}
+
+RunSettings planar_settings() {
+  RunSettings settings;
+  settings.sensors = 2;
+  settings.actuators = 1;
+  settings.a4 = true;
+  return settings;
+}
+
+// A session in simulated time with a device whose motors follow the settings.
+struct Rig {
+  explicit Rig(const RunSettings& settings)
+      : setup(made_setup(settings)),
+        live(star(), setup),
+        simulated(quiet_plant(setup), plan, {-0.12, 0.02, 0.0}, setup.haptics.initial_pose,
+                  setup.actuation.is_planar()),
+        held(simulated, live),
+        loop(star().world(), setup.actuation, setup.haptics),
+        session(loop, held,
+                {.changes = {&live}, .observers = {&records, &simulated}, .takes_motors = false}) {
+    session.start();
+  }
+  void run(int ticks) {
+    for (int n = 0; n < ticks; ++n) session.tick(setup.dt_s);
+  }
+
+  RunSetup setup;
+  Sweep plan;
+  LiveSettings live;
+  SimulatedDevice simulated;
+  HeldDevice held;
+  Records records;
+  HapticLoop loop;
+  HapticSession session;
+};
+
+int contacts(const std::vector<TickRecord>& records) {
+  int count = 0;
+  for (const TickRecord& record : records) count += record.contact;
+  return count;
+}
+
+void expect_same_bits(const Rig& a, const Rig& b) {
+  ASSERT_EQ(a.records.all.size(), b.records.all.size());
+  for (std::size_t n = 0; n < a.records.all.size(); ++n) {
+    ASSERT_EQ(std::memcmp(&a.records.all[n], &b.records.all[n], sizeof(TickRecord)), 0)
+        << "tick " << n;
+  }
+}
+
+// The motors are those of the description, which a page's motors replace: the records tell whether
+// the governor and the loop agree.
+TEST(LiveSettings, SetBeforeTheFirstTickEqualThoseOfTheStart) {
+  RunSettings other = planar_settings();
+  other.a4 = false;
+  other.stiffness_N_per_m = 321.0;
+  other.damping_Ns_per_m = 1.5;
+  other.actuated_axes = {Vec3(0.6, 0.8, 0.0)};
+  Rig started(other);
+  Rig switched(planar_settings());
+  switched.live.set_a4(false);
+  ASSERT_FALSE(switched.live.set_stiffness(321.0));
+  ASSERT_FALSE(switched.live.set_damping(1.5));
+  ASSERT_FALSE(switched.live.set_axes({Vec3(0.6, 0.8, 0.0)}));
+  started.run(1500);
+  switched.run(1500);
+  EXPECT_GT(contacts(started.records.all), 100);
+  expect_same_bits(started, switched);
+}
+
+TEST(LiveSettings, ApplyInTheNextTickAllAtOnce) {
+  Rig rig(planar_settings());
+  rig.run(10);
+  rig.live.set_a4(false);
+  rig.live.set_force(ForceMode::kFull);
+  rig.run(1500);
+  int pressed = 0;
+  for (std::size_t n = 10; n < rig.records.all.size(); ++n) {
+    const TickRecord& record = rig.records.all[n];
+    ASSERT_EQ(record.rotation_rad, 0.0);
+    ASSERT_EQ(vec3(record.force_device_N), vec3(record.full_force_device_N)) << "tick " << n;
+    ASSERT_EQ(record.faults, 0u) << "the governor dropped what its motors cannot push";
+    pressed += record.contact;
+  }
+  EXPECT_GT(pressed, 100);
+}
+
+// The commanded force lies in the span of the axes, and the governor drops nothing of it.
+TEST(LiveSettings, MotorsFollowTheAxesFromTickToTick) {
+  RunSettings soft = planar_settings();
+  soft.stiffness_N_per_m = 100.0;  // the force stays below the device's peak
+  Rig rig(soft);
+  rig.live.set_a4(false);
+  rig.run(450);
+  int pressed = 0;
+  for (int n = 0; n < 600; ++n) {
+    const double angle = 0.01 * n;
+    const Vec3 axis(std::cos(angle), std::sin(angle), 0.0);
+    ASSERT_FALSE(rig.live.set_axes({axis}));
+    rig.run(1);
+    const TickRecord& record = rig.records.all.back();
+    const Vec3 force_N = vec3(record.force_device_N);
+    const Vec3 full_N = vec3(record.full_force_device_N);
+    // Two roundings of the axis and of its products.
+    ASSERT_LE((force_N - full_N.dot(axis) * axis).norm(), 0x1p-49 * full_N.norm());
+    ASSERT_EQ(record.faults, 0u);
+    pressed += record.contact;
+  }
+  EXPECT_GT(pressed, 100);
+  ASSERT_FALSE(rig.live.set_axes({}));
+  rig.run(1);
+  EXPECT_EQ(vec3(rig.records.all.back().force_device_N), Vec3(Vec3::Zero()));
+}
+
+TEST(LiveSettings, RefuseWhatALoopWouldRefuse) {
+  Rig rig(planar_settings());
+  for (const double wrong :
+       {-1.0, -1e-300, 5000.1, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EXPECT_TRUE(rig.live.set_stiffness(wrong)) << wrong;
+    EXPECT_TRUE(rig.live.set_damping(wrong)) << wrong;
+  }
+  EXPECT_TRUE(rig.live.set_damping(50.1));
+  const double nan = std::nan("");
+  for (const std::vector<Vec3>& wrong :
+       {std::vector{Vec3(0, 0, 1)}, std::vector{Vec3(0, 0, 0)}, std::vector{Vec3(nan, 0, 0)},
+        std::vector{Vec3(1, 0, 0), Vec3(2, 0, 0)},
+        std::vector{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(1, 1, 0)}}) {
+    const auto error = rig.live.set_axes(wrong);
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->element, "axes");
+  }
+  EXPECT_EQ(rig.live.stiffness_N_per_m(), 1000.0);
+  EXPECT_EQ(rig.live.axes().size(), 1u);
+  Rig left(planar_settings());
+  rig.run(800);
+  left.run(800);
+  expect_same_bits(rig, left);
+}
+
+// Before the first contact, a pause changes no bit. In contact, the force is zero during the pause.
+TEST(HeldDevice, StandsStillWhilePaused) {
+  Rig rig(planar_settings());
+  Rig left(planar_settings());
+  const auto set_paused = [&](bool paused) {
+    rig.held.set_paused(paused);
+    rig.session.set_paused(paused);
+  };
+  rig.run(50);
+  ASSERT_EQ(contacts(rig.records.all), 0);
+  set_paused(true);
+  rig.run(700);
+  EXPECT_EQ(rig.records.all.size(), 50u);
+  set_paused(false);
+  rig.run(450);
+  left.run(500);
+  EXPECT_GT(contacts(left.records.all), 10);
+  expect_same_bits(rig, left);
+  set_paused(true);
+  const DeviceSample first = rig.held.read(rig.setup.dt_s);
+  rig.run(100);
+  const DeviceSample last = rig.held.read(rig.setup.dt_s);
+  EXPECT_EQ(first.position_m, last.position_m);
+  EXPECT_EQ(first.sequence, last.sequence);
+}
+
+// Each setting is read back as it was set.
+TEST(PageSettings, ChangeAndShowEveryValue) {
+  const Scene scene = loaded_scene("effect_friction.glb");
+  const RunSetup setup = made_setup(planar_settings());
+  LiveSettings live(scene, setup);
+  MaterialTuner tuner(scene);
+  PageSettings page(scene, live, tuner, true, true);
+  std::size_t materials = 0;
+  for (const auto& setting : page.list()) {
+    const std::string name = setting["name"];
+    const std::string kind = setting["kind"];
+    SCOPED_TRACE(name);
+    EXPECT_EQ(page.values()[name], setting["value"]);
+    materials += name.rfind("material/", 0) == 0 ? 1 : 0;
+    if (kind == "flag") {
+      ASSERT_FALSE(page.set(name, false));
+      EXPECT_EQ(page.values()[name], false);
+    } else if (kind == "axes") {
+      ASSERT_FALSE(page.set(name, std::vector<std::array<double, 3>>{{0, -2, 0}}));
+      EXPECT_EQ(page.values()[name].dump(), "[[0.0,-1.0,0.0]]");
+    } else if (kind == "choice") {
+      for (const std::string choice : setting["choices"]) {
+        ASSERT_FALSE(page.set(name, choice));
+        EXPECT_EQ(page.values()[name], choice);
+      }
+      EXPECT_TRUE(page.set(name, std::string("other")));
+    } else {
+      const double low = setting["low"];
+      const double high = setting["high"];
+      const double now = setting["value"];
+      EXPECT_LE(low, now);
+      EXPECT_LE(now, high);
+      ASSERT_FALSE(page.set(name, now));
+      EXPECT_TRUE(page.set(name, std::nextafter(high, INFINITY)));
+      EXPECT_TRUE(page.set(name, low - 1.0));
+      EXPECT_TRUE(page.set(name, std::nan("")));
+      EXPECT_EQ(page.values()[name], now);
+    }
+    EXPECT_TRUE(kind == "flag" || page.set(name, true));
+  }
+  EXPECT_GE(materials, 2u);  // two coefficients of friction
+  EXPECT_TRUE(page.set("gravity", 1.0));
+}
+
+TEST(PageSettings, MaterialReachesTheHapticThread) {
+  const Scene scene = loaded_scene("effect_friction.glb");
+  LiveSettings live(scene, made_setup(planar_settings()));
+  MaterialTuner tuner(scene);
+  PageSettings page(scene, live, tuner, true, true);
+  std::string name;
+  for (const auto& setting : page.list()) {
+    const std::string candidate = setting["name"];
+    if (candidate.find("/dynamicFriction") != std::string::npos) name = candidate;
+  }
+  ASSERT_FALSE(name.empty());
+  ASSERT_FALSE(page.set(name, 0.125));
+  EXPECT_EQ(page.values()[name], 0.125);
+}
+
+}  // namespace
+}  // namespace palpate::test

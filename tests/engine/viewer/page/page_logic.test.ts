@@ -1,0 +1,238 @@
+// Tests of what the page computes without a browser: messages, charts, display and controls.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Quaternion, Vector3 } from "three";
+
+import { arrowOf } from "@page/contact_drawing.ts";
+import { sliderScale } from "@page/controls.ts";
+import { displayOf, touchOf } from "@page/display.ts";
+import { roundStep } from "@page/felt_scene.ts";
+import { readFeltGlb } from "@page/felt_glb.ts";
+import { History, kBucket_s, kSpan_s } from "@page/history.ts";
+import { Keys } from "@page/keys.ts";
+import { decodeBinary, encodePointer, type Ticks } from "@page/protocol.ts";
+import { decodeRecord, recordBytes, type TickRecord } from "@page/record.ts";
+import { faultsInWords } from "@page/words.ts";
+import { ViewCamera } from "@page/view_camera.ts";
+
+const kEpsilon = 2 ** -52;
+const kRoundoff_px = 64 * 1000 * kEpsilon; // 64 roundings of coordinates of up to 1000 pixels
+
+// A generator of pseudo-random numbers in [0, 1), Park and Miller 1988.
+function random(seed: number): () => number {
+  let state = seed;
+  return () => {
+    state = (state * 48271) % 2147483647;
+    return state / 2147483647;
+  };
+}
+const seed = Number(process.env["PALPATE_SEED"] ?? 1 + Math.floor(Math.random() * 2147483645));
+console.log(`PALPATE_SEED=${seed}`);
+
+function record(): TickRecord {
+  return decodeRecord(new DataView(new ArrayBuffer(recordBytes)), 0);
+}
+
+function ticks(base_s: number, rows: { t: number; angle: number; force: number }[]): Ticks {
+  const column = (pick: (row: { t: number; angle: number; force: number }) => number): Float32Array =>
+    Float32Array.from(rows, pick);
+  return {
+    lost: 0, base_s, time_s: column((r) => r.t), angle_deg: column((r) => r.angle),
+    depth_m: column(() => 0), force_N: column((r) => r.force), fullForce_N: column((r) => r.force),
+    step_us: column(() => 1), contact: column(() => 1),
+  };
+}
+
+test("a state is decoded at the offsets of its layout", () => {
+  const bytes = new ArrayBuffer(48 + recordBytes + 64);
+  const view = new DataView(bytes);
+  view.setUint16(0, 1, true);
+  view.setUint16(2, 1, true);
+  view.setUint32(4, 5, true);
+  view.setBigUint64(8, 12345678901n, true);
+  [0.1, -0.2, 0.3].forEach((v, i) => view.setFloat64(16 + 8 * i, v, true));
+  view.setUint32(40, recordBytes, true);
+  view.setUint32(44, 1, true);
+  view.setBigUint64(48, 99n, true); // the first field of the record: tick
+  view.setUint32(48 + recordBytes, 7, true);
+  [1, 0, 0, 0, 4, 5, 6].forEach((v, i) => view.setFloat64(48 + recordBytes + 8 + 8 * i, v, true));
+  const message = decodeBinary(bytes);
+  assert.equal(message.kind, "state");
+  if (message.kind !== "state") return;
+  const { state } = message;
+  assert.deepEqual([state.hasTarget, state.isPaused, state.isHeld], [true, false, true]);
+  assert.equal(state.pointerSequence, 12345678901);
+  assert.deepEqual(state.target_m, [0.1, -0.2, 0.3]);
+  assert.equal(state.record.tick, 99);
+  assert.deepEqual(state.bodies, [{ body: 7, rotation_wxyz: [1, 0, 0, 0], position_m: [4, 5, 6] }]);
+});
+
+test("a message of another version or length is refused by name", () => {
+  const bytes = new ArrayBuffer(64);
+  new DataView(bytes).setUint16(0, 1, true);
+  assert.throws(() => decodeBinary(bytes), /version is 0; expected 1/);
+  new DataView(bytes).setUint16(2, 1, true);
+  assert.throws(() => decodeBinary(bytes), /state: has 64 bytes/);
+  new DataView(bytes).setUint16(0, 3, true);
+  assert.throws(() => decodeBinary(bytes), /kind is 3/);
+  assert.throws(() => decodeBinary(new ArrayBuffer(3)), /has 3 bytes/);
+});
+
+test("columns of ticks are read one after another", () => {
+  const rows = 3;
+  const bytes = new ArrayBuffer(24 + 28 * rows);
+  const view = new DataView(bytes);
+  view.setUint16(0, 2, true);
+  view.setUint16(2, 1, true);
+  view.setUint32(4, rows, true);
+  view.setFloat64(8, 2.5, true);
+  for (let i = 0; i < 7 * rows; ++i) view.setFloat32(24 + 4 * i, i, true);
+  const message = decodeBinary(bytes);
+  assert.ok(message.kind === "ticks");
+  assert.equal(message.ticks.base_s, 2.5);
+  assert.deepEqual([...message.ticks.time_s], [0, 1, 2]);
+  assert.deepEqual([...message.ticks.force_N], [9, 10, 11]);
+  assert.deepEqual([...message.ticks.contact], [18, 19, 20]);
+});
+
+test("a pointer message has the bytes of its layout", () => {
+  const view = new DataView(encodePointer(258, [0.5, -1, 2], true));
+  assert.equal(view.byteLength, 40);
+  assert.deepEqual([view.getUint16(0, true), view.getUint16(2, true), view.getUint32(4, true)],
+                   [16, 1, 1]);
+  assert.equal(view.getBigUint64(8, true), 258n);
+  assert.deepEqual([16, 24, 32].map((at) => view.getFloat64(at, true)), [0.5, -1, 2]);
+  assert.equal(new DataView(encodePointer(1, [0, 0, 0], false)).getUint32(4, true), 0);
+});
+
+test("a chart shows the lowest and the highest value of each interval", () => {
+  const history = new History();
+  history.add(ticks(4, [{ t: 0.001, angle: 10, force: 1 }, { t: 0.002, angle: 40, force: 5 },
+                        { t: 0.003, angle: 20, force: 2 }]));
+  const [, angle, force] = history.points(["angle_deg", "force_N"]);
+  assert.deepEqual(angle, [10, 40]);
+  assert.deepEqual(force, [1, 5]);
+});
+
+test("a chart has a gap where there is no contact and where no tick came", () => {
+  const history = new History();
+  history.add(ticks(0, [{ t: 0.01, angle: 10, force: 1 }, { t: 0.03, angle: NaN, force: 0 },
+                        { t: 0.5, angle: 30, force: 1 }]));
+  assert.deepEqual(history.points(["angle_deg"])[1], [10, 10, null, null, null, 30, 30]);
+});
+
+test("a chart keeps ten seconds and starts again when time goes back", () => {
+  const history = new History();
+  for (let i = 0; i < 3000; ++i) history.add(ticks(0.01 * i, [{ t: 0, angle: i, force: 0 }]));
+  const [times] = history.points(["angle_deg"]);
+  assert.ok((times[0] ?? NaN) >= -kSpan_s - kBucket_s);
+  assert.ok((times[0] ?? NaN) < -kSpan_s + 2 * kBucket_s);
+  history.add(ticks(1, [{ t: 0, angle: 7, force: 0 }]));
+  assert.deepEqual(history.points(["angle_deg"])[1], [7, 7]);
+});
+
+test("both displays follow display_transform of the engine", () => {
+  const next = random(seed);
+  for (let round = 0; round < 100; ++round) {
+    const q = new Quaternion(next() - 0.5, next() - 0.5, next() - 0.5, next() - 0.5).normalize();
+    const origin = new Vector3(next(), next(), next());
+    const proxy = new Vector3(next(), next(), next());
+    const device = new Vector3(next(), next(), next());
+    const r: TickRecord = {
+      ...record(), q_after_wxyz: [q.w, q.x, q.y, q.z], o_after_m: origin.toArray(),
+      proxy_scene_m: proxy.toArray(), device_m: device.toArray(),
+    };
+    const turned = proxy.clone().applyQuaternion(q);
+    // A few roundings of numbers up to 4: sums of three products, twice, of lengths below 2.
+    const tolerance = 64 * kEpsilon;
+    const classical = touchOf(r, displayOf(r, "classical"), null);
+    assert.ok(classical.ball_m.distanceTo(turned.clone().add(origin)) < tolerance);
+    assert.ok(classical.device_m.distanceTo(device) < tolerance);
+    const camera = touchOf(r, displayOf(r, "camera"), null);
+    assert.ok(camera.ball_m.length() < tolerance);
+    const between = classical.device_m.clone().sub(classical.ball_m);
+    assert.ok(camera.device_m.distanceTo(between) < 4 * tolerance);
+  }
+});
+
+test("the top view has A1 up and A2 to the left", () => {
+  const camera = new ViewCamera(true);
+  camera.resize(800, 400);
+  camera.fit({ centre_m: new Vector3(1, 2, 3), radius_m: 0.5 });
+  const middle = camera.pixelOf(new Vector3(1, 2, 3));
+  assert.ok(Math.abs(middle.x - 400) < kRoundoff_px && Math.abs(middle.y - 200) < kRoundoff_px);
+  const a1 = camera.pixelOf(new Vector3(1.5, 2, 3));
+  assert.ok(Math.abs(a1.x - 400) < kRoundoff_px && Math.abs(a1.y - 0) < kRoundoff_px);
+  const a2 = camera.pixelOf(new Vector3(1, 2.5, 3));
+  assert.ok(Math.abs(a2.x - 200) < kRoundoff_px && Math.abs(a2.y - 200) < kRoundoff_px);
+  assert.ok(Math.abs(camera.metresPerPixel(new Vector3()) - 1 / 400) < 8 * kEpsilon);
+});
+
+test("the orbit shows the whole sphere that it fits", () => {
+  const next = random(seed);
+  for (const [width, height] of [[800, 400], [360, 640]] as const) {
+    const camera = new ViewCamera(false);
+    camera.resize(width, height);
+    const centre_m = new Vector3(next(), next(), next());
+    const radius_m = 0.1 + next();
+    camera.fit({ centre_m, radius_m });
+    for (let i = 0; i < 1000; ++i) {
+      const away = new Vector3(next() - 0.5, next() - 0.5, next() - 0.5).setLength(radius_m);
+      const { x, y } = camera.pixelOf(centre_m.clone().add(away));
+      assert.ok(x >= -0.5 && x <= width + 0.5 && y >= -0.5 && y <= height + 0.5, `${x} ${y}`);
+    }
+  }
+});
+
+test("one pixel of the orbit is as long as it is said to be", () => {
+  const camera = new ViewCamera(false);
+  camera.resize(800, 600);
+  camera.fit({ centre_m: new Vector3(), radius_m: 1 });
+  const step_m = camera.metresPerPixel(new Vector3());
+  const seen = camera.pixelOf(camera.right.clone().multiplyScalar(step_m));
+  assert.ok(Math.abs(seen.x - 401) < kRoundoff_px && Math.abs(seen.y - 300) < kRoundoff_px);
+});
+
+test("an arrow is proportional to its force until it is cut", () => {
+  const one = arrowOf(new Vector3(1, 0, 0), 2).length();
+  assert.ok(one > 0);
+  assert.ok(Math.abs(arrowOf(new Vector3(0, 3, 0), 2).length() - 3 * one) < 8 * kEpsilon);
+  assert.ok(arrowOf(new Vector3(0, 1000, 0), 2).length() < 2);
+});
+
+test("a slider reaches both ends and returns what it shows", () => {
+  for (const [low, high, value] of [[0, 1, 0.5], [1, 20000, 1000], [1, 20000, 100], [0, 100, 0]] as const) {
+    const scale = sliderScale(low, high, value);
+    assert.equal(scale.valueAt(0), low);
+    assert.equal(scale.valueAt(1), high);
+    for (let share = 0; share <= 1; share += 0.125) {
+      const shown = scale.valueAt(share);
+      // valueAt() rounds to three digits, half a unit of which is 0.5 % of the value at most.
+      assert.ok(Math.abs(scale.valueAt(scale.shareOf(shown)) - shown) <= 0.011 * shown);
+    }
+  }
+});
+
+test("a key is given once, and a taken one is replaced", () => {
+  const keys = new Keys();
+  keys.add({ key: "a", label: "A4", run: () => {} });
+  assert.throws(() => keys.add({ key: "a", label: "other", run: () => {} }), /two meanings/);
+  assert.equal(keys.freeKey("a", "Axes"), "x");
+  assert.equal(keys.freeKey(undefined, "A4"), "4");
+});
+
+test("grid steps are 1, 2 or 5 times a power of ten", () => {
+  assert.deepEqual([0.0119, 0.02, 0.049, 0.5, 7, 99].map((v) => Number(roundStep(v).toPrecision(6))),
+                   [0.01, 0.02, 0.02, 0.5, 5, 50]);
+});
+
+test("faults are said in words, the most frequent first", () => {
+  assert.equal(faultsInWords({ jump: 2, slew: 1500 }),
+               "growth of the force was limited (1\u2009500), position jumped (2)");
+  assert.equal(faultsInWords({}), "");
+});
+
+test("a GLB without its chunks is refused by name", () => {
+  assert.throws(() => readFeltGlb(new ArrayBuffer(40)), /felt\.glb: is no GLB file/);
+});

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Runs a test of the page of `palpate view` in Node.
+
+run_in_node.py types PROJECT BUILD              checks the types of the page
+run_in_node.py logic PROJECT BUILD TEST.ts      bundles the test with the page, and runs it
+run_in_node.py browser PROJECT BUILD TEST.mjs [PROGRAM...]
+                                                runs a test that opens the page in Chromium
+run_in_node.py pictures PROJECT BUILD FOLDER PROGRAM
+                                                makes the pictures of the README in the folder
+
+Exits with 77, and says why, if Node, the packages, the bundled page or Chromium is missing: setup.sh
+fetches them for `./run.sh view` and for .ci/run.
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SKIPPED = 77
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from browser import find_browser  # noqa: E402
+
+
+def skip(reason):
+    print(f"skipped: {reason}")
+    sys.exit(SKIPPED)
+
+
+def require(path, what):
+    if not path.exists():
+        skip(f"{what} is missing ({path.name}); ./run.sh view and .ci/run make it")
+    return path
+
+
+def run(node, *arguments, **options):
+    return subprocess.run([node, *map(str, arguments)], **options).returncode
+
+
+def logic(node, work, test):
+    with tempfile.TemporaryDirectory() as name:
+        bundle = pathlib.Path(name) / "test.mjs"
+        failed = run(node, work / "node_modules/esbuild/bin/esbuild", test, "--bundle",
+                     "--platform=node", "--format=esm", "--log-level=warning",
+                     f"--alias:@page={work}", f"--outfile={bundle}",
+                     env={**os.environ, "NODE_PATH": str(work / "node_modules")})
+        return failed or run(node, "--test", bundle)
+
+
+def browser(node, project, build, script, programs, is_test=True):
+    chromium = find_browser() or skip("no Chromium is installed")
+    packages = require(project / "build/browser_packages/node_modules/playwright-core", "the driver")
+    require(build / "page/page.js", "the page")
+    only = os.environ.get("PALPATE_ONLY")  # runs the tests whose names match
+    pattern = [f"--test-name-pattern={only}"] if only else []
+    os.environ.update({
+        "PALPATE_CHROMIUM": chromium, "PALPATE_DRIVER": str(packages),
+        "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(programs),
+        "PALPATE_PICTURES": str(build / "page_pictures")})
+    # Replaces this process, so that a signal reaches the test, which ends its programs.
+    sys.stdout.flush()
+    os.execv(node, [node, *(["--test", *pattern] if is_test else []), str(script)])
+
+
+def main():
+    kind, project, build, *rest = sys.argv[1:]
+    project, build = pathlib.Path(project), pathlib.Path(build)
+    node = shutil.which("node") or skip("Node is not installed")
+    work = build / "page_build"
+    if kind == "browser":
+        return browser(node, project, build, rest[0], rest[1:])
+    if kind == "pictures":
+        os.environ["PALPATE_FOLDER"] = rest[0]
+        script = pathlib.Path(__file__).resolve().parent / "browser/make_pictures.mjs"
+        return browser(node, project, build, script, rest[1:], is_test=False)
+    require(work / "node_modules/three", "the bundled page")
+    require(work / "record.ts", "the bundled page")
+    if kind == "types":
+        return run(node, work / "node_modules/typescript/bin/tsc", "--noEmit", "-p", work)
+    return logic(node, work, rest[0])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,341 @@
+#!/usr/bin/env python3
+"""Each rule of the safety governor has a test: a governor with a broken rule must fail its tests.
+
+governor_mutations_test.py SOURCE_DIR BUILD_DIR [NAME...]
+
+Copies the sources of the governor, breaks one rule at a time by replacing a text, compiles the copy
+with the options of the build, and runs tests/haptics/safety_governor_test.cpp with it. The unchanged
+copy must pass, and every broken one must fail. NAME selects the mutations whose name begins with it.
+"""
+
+import json
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+TEST = "tests/haptics/safety_governor_test.cpp"
+GOVERNOR = "haptics/safety_governor.cpp"
+MOTORS = "haptics/motor_limits.cpp"
+SPEED = "haptics/speed_window.h"
+SOURCES = [GOVERNOR, MOTORS, TEST]
+# A broken governor may run into an endless loop; the tests take some seconds.
+LONGEST_S = 120
+
+# Per rule of the table in safety_governor.h: what is broken, in which file, the text and what
+# replaces it.
+MUTATIONS = {
+    "finite": [
+        ("keeps a force that is not finite", GOVERNOR,
+         "    wanted_N.setZero();\n", ""),
+        ("does not trip at a force that is not finite", GOVERNOR,
+         "    if (has_bad_force) trip(TripReason::kBadForce, 0.0, 0.0, record);\n", ""),
+        ("goes on at full force after a bad sample", GOVERNOR,
+         "  if (has_bad_sample(record)) {\n    is_interrupted_ = true;\n",
+         "  if (has_bad_sample(record)) {\n"),
+        ("does not publish a bad sample", GOVERNOR,
+         "    record.faults |= kRuleBadSample;\n", ""),
+        ("trips at the fourth bad sample", GOVERNOR,
+         "if (bad_samples_ >= bad_ns_.size() &&", "if (bad_samples_ > bad_ns_.size() &&"),
+        ("counts bad samples without end", GOVERNOR,
+         "&& now_ns_ - first_ns <= nanoseconds(Limits::kBadSamples_s))", ")"),
+    ],
+    "motors": [
+        ("keeps what the motors cannot push", GOVERNOR,
+         "limits_motors_ ? motors_.part(wanted_N) : wanted_N", "wanted_N"),
+        ("does not publish what it drops", GOVERNOR,
+         "  if (pushed_N_ != wanted_N) record.faults |= kRuleMotors;\n", ""),
+        ("lets a motor exceed its peak", GOVERNOR,
+         "factor = std::min(factor, marked(peaks < 1.0 ? kBelow * peaks : 1.0, kRulePeak, record));",
+         "factor = std::min(factor, marked(peaks < 0.0 ? 0.0 : 1.0, kRulePeak, record));"),
+        ("looks only at the last motor that exceeds its peak", MOTORS,
+         "scale = std::min(scale, peak_N / std::abs(motor_N[i]));",
+         "scale = peak_N / std::abs(motor_N[i]);"),
+        ("takes oblique motors for orthogonal ones", MOTORS,
+         "for (int j = i + 1; j < count_; ++j) along_N -= to_basis_(i, j) * motor_N[j];", ""),
+    ],
+    "clamp": [
+        ("has no clamp", GOVERNOR,
+         "double factor = marked(factor_to(clamp_N_, pushed_N_), kRuleClamp, record);",
+         "double factor = 1.0;"),
+        ("does not count", GOVERNOR,
+         "marked(factor_to(clamp_N_, pushed_N_), kRuleClamp, record)",
+         "factor_to(clamp_N_, pushed_N_)"),
+        ("lets the user raise the driver's limit", GOVERNOR,
+         "std::min(clamp_N, max_force_N.value_or(clamp_N))", "max_force_N.value_or(clamp_N)"),
+        ("trusts motors whose peak is unknown", GOVERNOR,
+         "  if (device.moves_motors) clamp_N = Limits::kUnknownPeak_N;\n", ""),
+        ("reverses the force by a negative limit", GOVERNOR,
+         "return std::max(0.0, std::min(", "return std::max(-1e9, std::min("),
+    ],
+    "slew": [
+        ("has no slew", GOVERNOR,
+         "  if (moves_motors_) limit_slew(force_N, record);\n", ""),
+        ("does not count", GOVERNOR,
+         "force_N *= marked(factor, kRuleSlew, record);", "force_N *= factor;"),
+        ("does not let a reversal grow from zero", GOVERNOR,
+         "std::max(0.0, last_force_N_.dot(force_N) / length_N)", "last_force_N_.norm()"),
+        ("takes the longest step for its time", GOVERNOR,
+         "Limits::kSlew_N_per_s * seconds(ramp_step_ns_)",
+         "Limits::kSlew_N_per_s * seconds(step_ns_)"),
+        ("takes the nominal step for its time", GOVERNOR,
+         "Limits::kSlew_N_per_s * seconds(ramp_step_ns_)",
+         "Limits::kSlew_N_per_s * seconds(period_ns_)"),
+        ("takes a large change for a small one", GOVERNOR,
+         "if (is_far_below(force_N - last_force_N_, growth_N)) return;",
+         "if (is_far_below(force_N - last_force_N_, 4 * growth_N)) return;"),
+        ("delays a fall", GOVERNOR,
+         "  // No force grows by more than the length of its change.\n",
+         "  if (force_N.norm() < 0.5 * last_force_N_.norm()) force_N = 0.5 * last_force_N_;\n"),
+    ],
+    "speed": [
+        ("does not trip", GOVERNOR,
+         "  trip(TripReason::kSpeed, *speed, Limits::kTopSpeed_m_per_s, record);\n", ""),
+        ("trips twice as fast", GOVERNOR,
+         "*speed <= Limits::kTopSpeed_m_per_s", "*speed <= 2 * Limits::kTopSpeed_m_per_s"),
+        ("trips without a force", GOVERNOR,
+         "  if (last_force_N_.norm() <= Limits::kMovingShare * clamp_N_) return;\n", ""),
+        ("takes a fast device for a slow one", SPEED,
+         "0.5 * limit_m_per_s * time_s()", "2.0 * limit_m_per_s * time_s()"),
+        ("takes the speed of one tick", GOVERNOR,
+         "longer_ns(Limits::kSpeedWindow_s, Limits::kSpeedWindowPeriods, period_ns_)",
+         "longer_ns(0.0, 1.0, period_ns_)"),
+        ("has no window of two slow periods", GOVERNOR,
+         "longer_ns(Limits::kSpeedWindow_s, Limits::kSpeedWindowPeriods, period_ns_)",
+         "longer_ns(Limits::kSpeedWindow_s, 0.0, period_ns_)"),
+        ("loses the window at a high rate", SPEED,
+         "if (count_ == 0 || time_s - entry(count_ - 1).time_s >= window_s_ / kSpacing) {",
+         "{"),
+        ("keeps the first position for ever", SPEED,
+         "while (oldest_ + 1 < count_ && is_old(entry(oldest_ + 1))) ++oldest_;", ""),
+    ],
+    "stale": [
+        ("keeps the force of an old sample", GOVERNOR,
+         "  if (sample_age_ns_ > longest_age_ns_) {\n    is_interrupted_ = true;\n",
+         "  if (sample_age_ns_ > longest_age_ns_) {\n"),
+        ("has no limit in periods", GOVERNOR,
+         "longer_ns(Limits::kStale_s, Limits::kStalePeriods, period_ns_)",
+         "longer_ns(Limits::kStale_s, 0.0, period_ns_)"),
+        ("does not trip", GOVERNOR,
+         "      trip(TripReason::kStale, seconds(sample_age_ns_), seconds(longest_ns), record);\n",
+         ""),
+        ("takes a repeated sample for a new one", GOVERNOR,
+         "is_new_ = !has_sample_ || sample.sequence > sample_.sequence;",
+         "is_new_ = !has_sample_ || sample.sequence >= sample_.sequence;"),
+        ("ignores the time of a sample", GOVERNOR,
+         "if (is_newest_good && sample.time_ns != 0 && time.now_ns != 0) {", "if (false) {"),
+        ("uses a sample that is out of order", GOVERNOR,
+         "  if (is_out_of_order_) {\n", "  if (false) {\n"),
+        ("does not publish a sample that is out of order", GOVERNOR,
+         "  if (is_out_of_order_) record.faults |= kRuleOrder;\n", ""),
+    ],
+    "late": [
+        ("keeps the force of a late tick", GOVERNOR,
+         "  if (late_ns_ > longest_late_ns_) {\n    is_interrupted_ = true;\n",
+         "  if (late_ns_ > longest_late_ns_) {\n"),
+        ("has no limit in periods", GOVERNOR,
+         "longer_ns(Limits::kLate_s, Limits::kLatePeriods, period_ns_)",
+         "longer_ns(Limits::kLate_s, 0.0, period_ns_)"),
+        ("never starts again", GOVERNOR,
+         "    if (is_very_late && !is_tripped()) begin_start();\n", ""),
+        ("always starts again", GOVERNOR,
+         "if (is_very_late && !is_tripped())", "if (!is_tripped())"),
+        ("ends a trip", GOVERNOR,
+         "if (is_very_late && !is_tripped())", "if (is_very_late)"),
+    ],
+    "workspace": [
+        ("has no workspace", GOVERNOR,
+         "marked(workspace_factor(record), kRuleWorkspace, record)", "1.0"),
+        ("has a step at the border", GOVERNOR,
+         "std::max(0.0, 1.0 - beyond / Limits::kFadeShare)", "beyond > 0.0 ? 0.0 : 1.0"),
+        ("fades twice as slowly", GOVERNOR,
+         "beyond / Limits::kFadeShare", "0.5 * beyond / Limits::kFadeShare"),
+        ("has one side only", GOVERNOR,
+         "std::abs(record.device_m[k] - middle_m)", "(record.device_m[k] - middle_m)"),
+        ("has one axis only", GOVERNOR,
+         "for (int k = 0; k < sensed_axes_; ++k) {", "for (int k = 0; k < 1; ++k) {"),
+        ("has its middle in the origin", GOVERNOR,
+         "const double middle_m = workspace_low_m_[n] + half_m;", "const double middle_m = 0.0;"),
+    ],
+    "ease": [
+        ("does not ease", GOVERNOR,
+         "  if (is_eased_) {\n", "  if (is_interrupted_) {\n"),
+        ("eases twice as fast", GOVERNOR,
+         "marked(seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record)",
+         "marked(2 * seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record)"),
+        ("does not begin anew", GOVERNOR,
+         "ease_ns_ = is_interrupted_ ? 0 : ease_ns_ + ramp_step_ns_;",
+         "ease_ns_ = is_interrupted_ && !is_eased_ ? 0 : ease_ns_ + ramp_step_ns_;"),
+        ("multiplies its factor", GOVERNOR,
+         "factor = std::min(factor, marked(seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record));",
+         "factor *= marked(seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record);"),
+    ],
+    "start": [
+        ("begins at full force", GOVERNOR,
+         "  if (moves_motors_) begin_start();\n", ""),
+        ("goes on at full force after a rearm", GOVERNOR,
+         "&& is_tripped()) begin_start();\n    watch_interruptions",
+         "&& is_tripped()) status_.state = GovernorState::kRuns;\n    watch_interruptions"),
+        ("rearms by itself", GOVERNOR,
+         "if (rearms && is_tripped())", "if (is_tripped())"),
+        ("starts under any force", GOVERNOR,
+         "record.contact == 0 || pushed_N_.norm() < Limits::kStartForce_N", "true"),
+        ("waits for a small force without contact", GOVERNOR,
+         "record.contact == 0 || pushed_N_.norm() < Limits::kStartForce_N",
+         "pushed_N_.norm() < Limits::kStartForce_N"),
+        ("starts at any speed", GOVERNOR,
+         "&& speed && *speed < Limits::kStartSpeed_m_per_s", "&& speed"),
+        ("starts before it knows the speed", GOVERNOR,
+         "&& speed && *speed < Limits::kStartSpeed_m_per_s",
+         "&& !(speed && *speed >= Limits::kStartSpeed_m_per_s)"),
+        ("starts at once", GOVERNOR,
+         "    if (calm_ns_ < nanoseconds(Limits::kCalm_s)) return;\n", ""),
+        ("does not begin to wait anew", GOVERNOR,
+         "calm_ns_ = is_calm ? calm_ns_ + ramp_step_ns_ : 0;",
+         "calm_ns_ = is_calm ? calm_ns_ + ramp_step_ns_ : calm_ns_;"),
+        ("has no ramp", GOVERNOR,
+         "marked(seconds(start_ns_) / Limits::kStart_s, kRuleStart, record)",
+         "marked(1.0, kRuleStart, record)"),
+    ],
+    "trip": [
+        ("does not cut the force", GOVERNOR,
+         "return marked(0.0, kRuleTripped, record);", "return factor;"),
+        ("ignores the device", GOVERNOR,
+         "    if (sample_.asks_for_trip) trip(TripReason::kDevice, 0.0, 0.0, record);\n", ""),
+        ("counts each tick", GOVERNOR,
+         "  if (is_tripped()) return;\n  status_.state", "  status_.state"),
+    ],
+    "energy": [
+        ("is not summed", GOVERNOR,
+         "    status_.given_J += last_force_N_.dot(way_m);\n", ""),
+        ("by design is not summed", GOVERNOR,
+         "    status_.given_by_design_J += work_masked_N_.dot(way_m);\n", ""),
+    ],
+}
+
+
+def fail(text):
+    sys.exit(f"governor_mutations_test: {text}")
+
+
+def compile_options(build, root, source):
+    """The compiler and its options for a source, which may be a part of a larger unit."""
+    path = build / "compile_commands.json"
+    if not path.exists():
+        fail(f"{path} does not exist; expected a build directory (configure it first)")
+    full = str(root / source)
+    for entry in json.loads(path.read_text()):
+        file = pathlib.Path(entry["file"])
+        is_unit = file.parent.name == "Unity" and file.exists() and f'"{full}"' in file.read_text()
+        if str(file) != full and not is_unit:
+            continue
+        words = shlex.split(entry["command"])
+        # Without its own files and the precompiled headers, which were made of the unchanged ones.
+        kept, skips = [], False
+        for word in words:
+            if not skips and word not in ("-o", "-c", "-include", "-Winvalid-pch"):
+                kept.append(word)
+            skips = word in ("-o", "-c", "-include")
+        return kept
+    fail(f"{path}: does not compile {full}; expected one of its sources (build the tests first)")
+
+
+class Copy:
+    """A copy of the governor in a folder of its own."""
+
+    def __init__(self, root, build, folder):
+        self.root, self.folder = root, folder
+        self.options = {source: compile_options(build, root, source) for source in SOURCES}
+        for source in SOURCES + [SPEED, "haptics/safety_governor.h", "haptics/motor_limits.h"]:
+            (folder / source).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(root / source, folder / source)
+
+    def object_of(self, source):
+        return self.folder / (pathlib.Path(source).stem + ".o")
+
+    def compile(self, sources):
+        for source in sources:
+            compiler, *options = self.options[source]
+            command = [compiler, f"-I{self.folder}", *options, "-w", "-c", self.folder / source,
+                       "-o", self.object_of(source)]
+            done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder)
+            if done.returncode != 0:
+                fail(f"{source} does not compile:\n{done.stderr}")
+
+    def failed_with(self, source, old, new):
+        """The names of the tests that fail with a replaced text. Restores the copy."""
+        text = (self.root / source).read_text()
+        users = SOURCES if source.endswith(".h") else [source]
+        unchanged = {user: self.object_of(user).read_bytes() for user in users}
+        (self.folder / source).write_text(text.replace(old, new))
+        self.compile(users)
+        failed = self.failed_tests()
+        (self.folder / source).write_text(text)
+        for user in users:
+            self.object_of(user).write_bytes(unchanged[user])
+        return failed
+
+    def link(self):
+        compiler, *options = self.options[TEST]
+        program = self.folder / "governor_test"
+        command = [compiler, *options, *map(self.object_of, SOURCES), "-lgtest_main", "-lgtest",
+                   "-o", program]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder)
+        if done.returncode != 0:
+            fail(f"the test does not link:\n{done.stderr}")
+        return program
+
+    def failed_tests(self):
+        """The names of the tests that fail."""
+        program = self.link()
+        try:
+            done = subprocess.run([program, "--gtest_brief=1"], capture_output=True, text=True,
+                                  timeout=LONGEST_S)
+        except subprocess.TimeoutExpired:
+            return ["(no end)"]
+        failed = [line.split("]")[1].split()[0].rstrip(",") for line in done.stdout.splitlines()
+                  if line.startswith("[  FAILED  ] SafetyGovernor.")]
+        if done.returncode not in (0, 1) or (done.returncode == 1) != bool(failed):
+            fail(f"the test ended with {done.returncode}; expected 0 or 1\n{done.stdout}"
+                 f"{done.stderr}")
+        return sorted(set(failed))
+
+
+def check_texts(root):
+    """Every text that a mutation replaces must be there once."""
+    for rule, mutations in MUTATIONS.items():
+        for name, source, old, _ in mutations:
+            count = (root / source).read_text().count(old)
+            if count != 1:
+                fail(f"{source}: the text of the mutation \"{rule}: {name}\" is there {count} "
+                     f"times; expected once (adapt MUTATIONS to the source)\n{old}")
+
+
+def main():
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    root, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+    chosen = [(f"{rule}: {name}", *rest) for rule, mutations in MUTATIONS.items()
+              for name, *rest in mutations]
+    chosen = [entry for entry in chosen if entry[0].startswith(tuple(sys.argv[3:] or [""]))]
+    check_texts(root)
+    survivors = []
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Copy(root, build, pathlib.Path(folder))
+        copy.compile(SOURCES)
+        failed = copy.failed_tests()
+        if failed:
+            fail(f"the unchanged governor fails: {' '.join(failed)}")
+        for title, source, old, new in chosen:
+            failed = copy.failed_with(source, old, new)
+            print(f"{title}: {' '.join(failed) or 'SURVIVES'}", flush=True)
+            if not failed:
+                survivors.append(title)
+    if survivors:
+        fail("no test fails with these broken rules:\n  " + "\n  ".join(survivors))
+
+
+if __name__ == "__main__":
+    main()
