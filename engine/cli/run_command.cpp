@@ -147,7 +147,8 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
     ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
     Result<ExplorationRun> run = explore(
         prepared.scene, setup, exploration, [&](double share) { bar.show(share); }, &stop);
-    if (auto recording = finish_recording(std::move(*recorder), stop.requested())) {
+    if (auto recording =
+            finish_recording(std::move(*recorder), stop.requested() ? "interrupted" : "end")) {
       recordings.push_back(std::move(*recording));
     }
     if (!run) return with_path(run.error(), command.scene.path);

@@ -135,7 +135,10 @@ int run_prepared(const RunRequest& request, const PreparedRun& prepared, Guardab
         &signal_flag());
   }();
   std::vector<RecordingResult> recordings;
-  if (auto r = finish_recording(std::move(*recorder), signal_flag().requested())) {
+  const char* const why = run && run->governor.trips > 0 ? "trip"
+                          : signal_flag().requested()    ? "interrupted"
+                                                         : "end";
+  if (auto r = finish_recording(std::move(*recorder), why)) {
     recordings.push_back(std::move(*r));
   }
   if (!run) return refuse(run.error());

@@ -21,7 +21,7 @@ constexpr std::string_view kEnding = ".palpate";
 void add_record(CLI::App& app, std::string& file) {
   app.add_option("--record", file,
                  "record every tick into this new file while the session runs, for `palpate replay "
-                 "FILE`; two runs write NAME-off.palpate and NAME-on.palpate")
+                 "FILE`; two runs of `run` write NAME-off.palpate and NAME-on.palpate")
       ->type_name("FILE")
       ->group(kOutputGroup);
 }
@@ -68,9 +68,9 @@ Result<std::unique_ptr<Recorder>> make_recorder(const std::string& file,
 }
 
 std::optional<RecordingResult> finish_recording(std::unique_ptr<Recorder> recorder,
-                                                bool was_interrupted) {
+                                                const std::string& why) {
   if (!recorder) return std::nullopt;
-  RecordingResult result = recorder->finish(was_interrupted ? "interrupted" : "end");
+  RecordingResult result = recorder->finish(why);
   if (result.ticks > 0 || result.error) return result;
   std::error_code ignored;
   std::filesystem::remove(result.path, ignored);
@@ -82,7 +82,7 @@ std::string recording_text(const RecordingResult& recording) {
   text << "recording in " << recording.path << ": " << recording.ticks << " ticks, "
        << recording.bytes << " bytes";
   if (recording.dropped > 0) text << ", " << recording.dropped << " ticks dropped";
-  if (recording.error) text << "; it ended before the run: " << recording.error->problem;
+  if (recording.error) text << "; it ended before the session: " << recording.error->problem;
   return text.str() + "\n";
 }
 

@@ -33,10 +33,10 @@ Result<std::unique_ptr<Recorder>> make_recorder(const std::string& file,
                                                 const SceneOptions& options, const Scene& scene,
                                                 const RunSetup& setup, bool virtual_time);
 
-// Ends a recording; no value for null. A recording without a tick is removed, because its session
-// has not begun.
+// Ends a recording; no value for null. why: "end", "interrupted" or "trip". A recording without a
+// tick is removed, because its session has not begun.
 std::optional<RecordingResult> finish_recording(std::unique_ptr<Recorder> recorder,
-                                                bool was_interrupted);
+                                                const std::string& why);
 
 // One line on the recording, with its end.
 std::string recording_text(const RecordingResult& recording);

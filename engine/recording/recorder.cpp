@@ -1,6 +1,7 @@
 #include "engine/recording/recorder.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -30,6 +31,11 @@ constexpr auto kLookEvery = std::chrono::microseconds(500);
 // transaction.
 constexpr int kLogPages = 4096;
 constexpr double kMostRows = 1 << 20;
+
+// Its text takes no memory.
+Error out_of_memory() {
+  return {ErrorCode::kOutOfMemory, "", "", "out of memory", ""};
+}
 
 }  // namespace
 
@@ -61,6 +67,7 @@ struct Recorder::State {
   std::condition_variable wakes;
   std::optional<RecordingMeta> start;
   bool must_end = false;
+  std::atomic<bool> lacks_start{false};  // there was no memory for it
 
   // Takes ticks from the ring until it is empty or the time has come, and writes full blocks.
   void take_ticks(std::chrono::steady_clock::time_point until);
@@ -192,7 +199,7 @@ void Recorder::on_start(const SessionFacts& facts) noexcept {
     const std::lock_guard lock(state_->mutex);
     state_->start = std::move(meta);
   } catch (const std::bad_alloc&) {
-    has_failed_.store(true, std::memory_order_release);
+    state_->lacks_start.store(true, std::memory_order_release);
   }
 }
 
@@ -237,6 +244,11 @@ void Recorder::on_trip(const GovernorTrip& trip) noexcept {
   state_->events.add(event);
 }
 
+std::optional<std::string> Recorder::failure() const {
+  if (!has_failed()) return std::nullopt;
+  return state_->error->problem;
+}
+
 void Recorder::on_late(LateCause cause, const TickCost& cost) noexcept {
   RecordedEvent event;
   event.kind = EventKind::kLate;
@@ -247,10 +259,20 @@ void Recorder::on_late(LateCause cause, const TickCost& cost) noexcept {
   state_->events.add(event);
 }
 
-// The recorder's thread. A transaction is open while it waits, because opening it fails only where
-// writing would fail, too.
-void Recorder::run() {
+// The recorder's thread.
+void Recorder::run() noexcept {
   ::pthread_setname_np(::pthread_self(), "palpate-record");
+  try {
+    write();
+  } catch (const std::bad_alloc&) {
+    state_->fail(out_of_memory());
+  }
+  if (state_->error) has_failed_.store(true, std::memory_order_release);
+}
+
+// A transaction is open while this function waits, because opening it fails only where writing
+// would fail, too.
+void Recorder::write() {
   using Clock = std::chrono::steady_clock;
   State& state = *state_;
   const bool is_virtual = state.settings.virtual_time;
@@ -269,7 +291,8 @@ void Recorder::run() {
     state.write_rest(is_virtual && !must_end);
     if (!state.error) state.write_events(must_end);
     if (!state.error) state.fail(state.file.commit());
-    if (state.error) return has_failed_.store(true, std::memory_order_release);
+    if (state.lacks_start.load(std::memory_order_acquire)) state.fail(out_of_memory());
+    if (state.error) return;
   }
 }
 

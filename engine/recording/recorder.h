@@ -67,6 +67,9 @@ class Recorder final : public TickSink {
 
   // The recording has ended because of an error. Any thread may call it.
   bool has_failed() const noexcept { return has_failed_.load(std::memory_order_acquire); }
+  // What the recording has ended of; no value while it goes on. Any thread may call it before
+  // finish().
+  std::optional<std::string> failure() const;
   // The number of ticks that were dropped so far. Any thread may call it.
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
@@ -76,7 +79,8 @@ class Recorder final : public TickSink {
 
   void drop_tick() noexcept;
   bool wait_for_space() const noexcept;
-  void run();
+  void run() noexcept;
+  void write();
 
   std::unique_ptr<State> state_;
   bool waits_;  // in virtual time
