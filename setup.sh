@@ -7,7 +7,7 @@ palpate_packages=(
   build-essential cmake ninja-build
   libembree-dev libopenmesh-dev libtinygltf-dev libeigen3-dev
   libcli11-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libpng-dev
-  zlib1g-dev libspng-dev libturbojpeg0-dev
+  zlib1g-dev libspng-dev libturbojpeg0-dev libsqlite3-dev libzstd-dev
   libgtest-dev libboost-dev libbenchmark-dev libcgal-dev
   gnuplot-nox python3 valgrind
 )

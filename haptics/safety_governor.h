@@ -144,6 +144,10 @@ class SafetyGovernor {
 
   const GovernorStatus& status() const noexcept { return status_; }
   double clamp_N() const noexcept { return clamp_N_; }
+  // Of the tick that begin_tick() began last: the time since the tick before it, measured where
+  // the clock is known; and the age of the newest good sample.
+  std::int64_t step_ns() const noexcept { return step_ns_; }
+  std::int64_t sample_age_ns() const noexcept { return sample_age_ns_; }
 
  private:
   bool is_tripped() const { return status_.state == GovernorState::kTripped; }

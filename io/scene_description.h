@@ -85,7 +85,9 @@ struct RegionDescription {
 };
 
 struct SceneDescription {
-  std::string path;                     // path of the file, as the caller stated it
+  std::string path;  // path of the file, as the caller stated it
+  std::vector<std::string>
+      files_read;  // the other files that were read, each once: buffers, images
   std::vector<MeshDescription> meshes;  // meshes of the nodes, each once; none is empty
   std::vector<NodeDescription> nodes;   // in depth-first file order
   std::vector<TreeNode> tree;           // all nodes of the scene, depth first in file order

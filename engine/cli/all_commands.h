@@ -12,6 +12,7 @@ namespace palpate {
 
 std::unique_ptr<Command> make_run_command();
 std::unique_ptr<Command> make_replay_command();
+std::unique_ptr<Command> make_recording_command();
 std::unique_ptr<Command> make_accuracy_command();
 std::unique_ptr<Command> make_experiment_command();
 std::unique_ptr<Command> make_soak_command();
@@ -24,6 +25,7 @@ inline std::vector<std::unique_ptr<Command>> all_commands() {
   commands.push_back(make_run_command());
   commands.push_back(make_view_command());
   commands.push_back(make_replay_command());
+  commands.push_back(make_recording_command());
   commands.push_back(make_accuracy_command());
   commands.push_back(make_experiment_command());
   commands.push_back(make_soak_command());

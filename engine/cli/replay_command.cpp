@@ -1,5 +1,7 @@
-// The subcommand `replay`: plays a recorded path through a scene.
+// The subcommand `replay`: plays a recorded path through a scene, or computes a recording again.
 
+#include <algorithm>
+#include <array>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -13,9 +15,11 @@
 #include "engine/cli/effects_report.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/cli/recorded_replay.h"
 #include "engine/cli/report.h"
 #include "engine/cli/run_options.h"
 #include "engine/cli/scene_options.h"
+#include "engine/recording/recording_reader.h"
 #include "engine/session/replay.h"
 #include "engine/session/trace_csv.h"
 #include "io/trajectory.h"
@@ -29,6 +33,10 @@ class ReplayCommand final : public Command {
   int run(const std::vector<std::string>& arguments) override;
 
  private:
+  int replay_recording();
+
+  CLI::App* app_ = nullptr;
+  std::string moved_scene_;
   SceneOptions scene_;
   std::string trajectory_;
   RunOptions options_;
@@ -40,16 +48,23 @@ class ReplayCommand final : public Command {
 CLI::App* ReplayCommand::add_to(CLI::App& program) {
   RunSettings& settings = options_.settings;
   CLI::App& app = *program.add_subcommand(
-      "replay", "play a recorded device path through a scene, with the same bits every time");
+      "replay", "play a recorded device path through a scene, or prove a recording bit for bit");
+  app_ = &app;
   set_help(app,
            "  ./run.sh run models/star.glb --virtual\n"
            "  ./run.sh replay models/star.glb --trajectory out/trace-off.csv --sensors 2 "
            "--actuators 1\n",
-           "The first line of the example records the path that the second one plays.\n");
+           "The first line of the example records the path that the second one plays.\n\n"
+           "`replay FILE`, with a file that --record has written in place of the scene, computes "
+           "the same session\nagain. Exit code 0: every bit is the same; 1: a bit differs, or "
+           "ticks are missing. With --material,\n--a4, --force, --accuracy, --stiffness or "
+           "--damping it shows what the same path gives under these settings.\n");
   app.add_option(
-         "--trajectory", trajectory_,
-         "device positions, one \"[t] x y z\" per line, in metres, or a trace of run or replay")
-      ->required();
+      "--trajectory", trajectory_,
+      "device positions, one \"[t] x y z\" per line, in metres, or a trace of run or replay; "
+      "required, but for a recording");
+  app.add_option("--scene", moved_scene_, "where the scene of a recording is now")
+      ->type_name("FILE");
   add_integer(app, "--repeat", repeat_, {1, 1000},
               "number of passes, 1 to 1000; the shortest time of each tick is kept");
   add_scene(app, scene_, true);
@@ -65,7 +80,47 @@ CLI::App* ReplayCommand::add_to(CLI::App& program) {
   return &app;
 }
 
+// The options that a recording can be replayed with.
+constexpr std::array kRecordingOptions = {"SCENE",       "--scene",   "--material",
+                                          "--a4",        "--force",   "--accuracy",
+                                          "--stiffness", "--damping", "--json"};
+
+int ReplayCommand::replay_recording() {
+  for (const CLI::Option* option : app_->get_options()) {
+    const std::string name = option->get_name();
+    const bool is_known = std::find(kRecordingOptions.begin(), kRecordingOptions.end(), name) !=
+                          kRecordingOptions.end();
+    if (option->count() > 0 && !is_known) {
+      return refuse(invalid_argument(
+          name,
+          "is not for a recording; expected --material, --a4, --force, --accuracy, "
+          "--stiffness or --damping"));
+    }
+  }
+  const auto is_given = [this](const char* name) { return app_->get_option(name)->count() > 0; };
+  RecordedReplayRequest request;
+  request.recording = scene_.path;
+  request.scene = moved_scene_;
+  request.json = json_;
+  request.materials = scene_.materials;
+  const RunSettings& settings = options_.settings;
+  if (is_given("--a4")) request.a4 = settings.a4;
+  if (is_given("--force")) request.force = settings.force;
+  if (is_given("--accuracy")) request.accuracy = settings.accuracy;
+  if (is_given("--stiffness")) request.stiffness_N_per_m = settings.stiffness_N_per_m;
+  if (is_given("--damping")) request.damping_Ns_per_m = settings.damping_Ns_per_m;
+  return replay_recorded(request);
+}
+
 int ReplayCommand::run(const std::vector<std::string>&) {
+  if (is_recording(scene_.path)) return replay_recording();
+  if (trajectory_.empty()) {
+    return refuse(invalid_argument("--trajectory", "is missing; it is required beside a scene",
+                                   "or name a recording in place of the scene"));
+  }
+  if (!moved_scene_.empty()) {
+    return refuse(invalid_argument("--scene", "is for a recording; expected no such option"));
+  }
   const Result<RunSetup> setup = make_setup(options_);
   if (!setup) return refuse(setup.error());
   const Result<std::vector<Vec3>> path = read_trajectory(trajectory_);

@@ -21,6 +21,7 @@
 #include "engine/cli/report.h"
 #include "engine/cli/run_advice.h"
 #include "engine/cli/run_on_device.h"
+#include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/report/csv.h"
@@ -81,6 +82,7 @@ std::string interruption_line(const std::vector<ExplorationRun>& runs, bool is_c
 
 nlohmann::ordered_json runs_json(const PreparedRun& prepared,
                                  const std::vector<ExplorationRun>& runs,
+                                 const std::vector<RecordingResult>& recordings,
                                  const std::optional<RunAdvice>& advice) {
   nlohmann::ordered_json json{{"interrupted", signal_flag().requested()},
                               {"comparable", are_comparable(runs)}};
@@ -96,6 +98,7 @@ nlohmann::ordered_json runs_json(const PreparedRun& prepared,
     json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
   }
   json["scale"] = prepared.scene.statistics().scale;
+  if (!recordings.empty()) json["recordings"] = recording_json(recordings);
   json["runs"] = nlohmann::ordered_json::array();
   for (const ExplorationRun& r : runs) {
     json["runs"].push_back(run_json(r, prepared.scene));
@@ -106,10 +109,25 @@ nlohmann::ordered_json runs_json(const PreparedRun& prepared,
   return json;
 }
 
+// Empty if nothing is recorded.
+std::string recording_name(const RunRequest& command, bool a4) {
+  if (command.record.empty() || command.a4 != A4Runs::kCompare) return command.record;
+  return recording_name_of(command.record, a4);
+}
+
+std::optional<Error> check_recordings(const RunRequest& command) {
+  std::vector<std::string> names;
+  for (const bool a4 : {false, true}) {
+    if (!command.record.empty() && command.wants(a4)) names.push_back(recording_name(command, a4));
+  }
+  return check_recording_names(names);
+}
+
 // The requested runs, without A4 before with A4, until a signal arrives.
 Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
                                                       const PreparedRun& prepared,
-                                                      const OutputFiles& files) {
+                                                      const OutputFiles& files,
+                                                      std::vector<RecordingResult>& recordings) {
   const StopFlag& stop = signal_flag();
   ExplorationSettings exploration = command.exploration;
   if (!command.scene.max_memory.empty()) {  // prepare_run() parsed it without an error
@@ -122,9 +140,17 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
     if (stop.requested()) break;
     RunSetup setup = prepared.setup;
     setup.haptics.a4.enabled = a4;
+    auto recorder = make_recorder(recording_name(command, a4), command.scene, prepared.scene, setup,
+                                  exploration.virtual_time);
+    if (!recorder) return recorder.error();
+    exploration.sink = recorder->get();
     ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
     Result<ExplorationRun> run = explore(
         prepared.scene, setup, exploration, [&](double share) { bar.show(share); }, &stop);
+    if (auto recording =
+            finish_recording(std::move(*recorder), stop.requested() ? "interrupted" : "end")) {
+      recordings.push_back(std::move(*recording));
+    }
     if (!run) return with_path(run.error(), command.scene.path);
     if (run->records.empty()) break;
     if (const auto error = write_run(*run, files)) return *error;
@@ -161,12 +187,14 @@ std::string workspace_text(const DeviceDescription& device) {
 }
 
 int run(const RunRequest& command) {
+  if (const auto error = check_recordings(command)) return refuse(*error);
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return refuse(with_path(prepared.error(), command.scene.path));
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   Result<OutputFiles> files = OutputFiles::create(command.out_dir, run_file_names());
   if (!files) return refuse(files.error());
-  const auto done = explore_and_write(command, *prepared, *files);
+  std::vector<RecordingResult> recordings;
+  const auto done = explore_and_write(command, *prepared, *files, recordings);
   if (!done) return refuse(done.error());
   const std::vector<ExplorationRun>& runs = *done;
   if (runs.empty()) return report_nothing_done();
@@ -176,16 +204,18 @@ int run(const RunRequest& command) {
   if (!has_picture) return refuse(has_picture.error());
   if (const auto error = move_into_place(*files)) return refuse(*error);
   if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
+  for (std::string& line : recording_warnings(recordings)) warnings.push_back(std::move(line));
   const std::optional<RunAdvice> advice = find_advice(command, *prepared, runs);
   const std::string interruption = interruption_line(runs, command.a4 == A4Runs::kCompare);
   if (!interruption.empty()) std::cerr << "palpate: " << interruption;
   if (command.json) {
-    print(runs_json(*prepared, runs, advice));
+    print(runs_json(*prepared, runs, recordings, advice));
   } else {
     std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
               << run_heading(command, *prepared, workspace_text(prepared->setup.device))
               << runs_text(runs, prepared->scene) << timing_text(*prepared, runs) << "traces"
               << (*has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
+    for (const RecordingResult& recording : recordings) std::cout << recording_text(recording);
   }
   const int code = finish_output(warnings);
   return exit_code_after_signals(code == 0 && !are_comparable(runs) ? kNotComparable : code);
@@ -254,6 +284,7 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
   app.add_option("--out", request_.out_dir, "folder of the traces and the picture")
       ->capture_default_str()
       ->group(kOutputGroup);
+  add_record(app, request_.record);
   add_output(app, settings, request_.json);
   return &app;
 }

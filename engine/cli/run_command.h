@@ -31,6 +31,7 @@ struct RunRequest {
   ExplorationSettings exploration;
   DeviceRequest device;
   std::string out_dir = "out";
+  std::string record;  // the file of --record; empty: nothing is recorded
   bool json = false;
   std::vector<std::string> arguments;  // arguments of the program, unchanged
 

@@ -17,6 +17,7 @@
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/report.h"
+#include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/devices/device_options.h"
@@ -73,12 +74,14 @@ ExplorationRun without_path(DeviceRun& run, bool a4) {
 
 nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const DeviceRun& run,
                                           const ExplorationRun& shown,
+                                          const std::vector<RecordingResult>& recordings,
                                           const PreparedRun& prepared) {
   nlohmann::ordered_json json{{"interrupted", signal_flag().requested()}};
   json["tripped"] = run.governor.trips > 0;
   json["device"] = device_json(facts, run);
   json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
   json["scale"] = prepared.scene.statistics().scale;
+  if (!recordings.empty()) json["recordings"] = recording_json(recordings);
   json["runs"] = {run_json(shown, prepared.scene)};
   json["runs"][0]["reached_timing"] = reached_timing_json(prepared.setup, run.tick_times);
   json["runs"][0]["reached_timing_ends_at"] = "driver";  // without the line to the device
@@ -101,34 +104,48 @@ std::string ending_line(const DeviceRun& run) {
 }
 
 int report_run(const RunRequest& request, const PreparedRun& prepared, const DeviceFacts& facts,
-               const DeviceRun& run, const ExplorationRun& shown) {
+               const DeviceRun& run, const ExplorationRun& shown,
+               const std::vector<RecordingResult>& recordings) {
   std::vector<std::string> warnings = not_understood_lines(prepared.scene);
   for (const std::string& warning : device_warnings(run)) warnings.push_back(warning);
+  for (const std::string& line : recording_warnings(recordings)) warnings.push_back(line);
   const std::string ending = ending_line(run);
   if (!ending.empty()) std::cerr << "palpate: " << ending;
   if (request.json) {
-    print(run_on_device_json(facts, run, shown, prepared));
+    print(run_on_device_json(facts, run, shown, recordings, prepared));
   } else {
     const std::string workspace = device_workspace_text(request.options.settings.device);
     std::cout << ending << run_heading(request, prepared, workspace)
               << runs_text({shown}, prepared.scene) << timing_text(prepared.setup, run.tick_times)
               << device_text(facts, run) << "trace in " << request.out_dir << "/\n";
+    for (const RecordingResult& recording : recordings) std::cout << recording_text(recording);
   }
   const int code = finish_output(warnings);
   return exit_code_after_signals(code == 0 && run.governor.trips > 0 ? kTripped : code);
 }
 
 int run_prepared(const RunRequest& request, const PreparedRun& prepared, GuardableDevice& device,
-                 const DeviceRunSettings& settings) {
+                 DeviceRunSettings settings) {
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   Result<OutputFiles> files = OutputFiles::create(request.out_dir, run_file_names());
   if (!files) return refuse(files.error());
+  auto recorder =
+      make_recorder(request.record, request.scene, prepared.scene, prepared.setup, false);
+  if (!recorder) return refuse(recorder.error());
+  settings.sink = recorder->get();
   Result<DeviceRun> run = [&] {
     ProgressBar bar(request.a4 == A4Runs::kOn ? "with A4" : "without A4", settings.seconds);
     return run_device(
         prepared.scene, prepared.setup, device, settings, [&](double share) { bar.show(share); },
         &signal_flag());
   }();
+  std::vector<RecordingResult> recordings;
+  const char* const why = run && run->governor.trips > 0 ? "trip"
+                          : signal_flag().requested()    ? "interrupted"
+                                                         : "end";
+  if (auto r = finish_recording(std::move(*recorder), why)) {
+    recordings.push_back(std::move(*r));
+  }
   if (!run) return refuse(run.error());
   if (run->records.empty()) return report_nothing_done();
   const bool a4 = prepared.setup.haptics.a4.enabled;
@@ -139,7 +156,7 @@ int run_prepared(const RunRequest& request, const PreparedRun& prepared, Guardab
   if (const auto error = move_into_place(*files)) return refuse(*error);
   const DeviceFacts facts{device.description().name, request.device.text, device.summary(),
                           settings.has_guard, settings.without_realtime};
-  return report_run(request, prepared, facts, *run, shown);
+  return report_run(request, prepared, facts, *run, shown, recordings);
 }
 
 }  // namespace
@@ -200,6 +217,7 @@ void describe_device(const DeviceDescription& device, const IsGiven& is_given,
 }
 
 int run_on_device(RunRequest request, const IsGiven& is_given) {
+  if (const auto error = check_recording_names({request.record})) return refuse(*error);
   Result<HapiSettings> hapi = parse_device("--device", request.device.text);
   if (!hapi) return refuse(hapi.error());
   hapi->works_without_guard = request.device.no_guard;

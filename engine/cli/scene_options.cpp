@@ -54,7 +54,7 @@ void add_scene(CLI::App& app, SceneOptions& scene, bool is_required) {
       ->group(kSceneGroup);
 }
 
-Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
+Result<SceneSettings> scene_settings_of(const SceneOptions& options, double proxy_radius_m) {
   SceneSettings settings;
   settings.proxy_radius_m = proxy_radius_m;
   settings.node = options.node;
@@ -76,7 +76,13 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
   auto overrides = parse_overrides(options.materials);
   if (!overrides) return overrides.error();
   settings.overrides = std::move(*overrides);
-  return Scene::load(options.path, settings);
+  return settings;
+}
+
+Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
+  const auto settings = scene_settings_of(options, proxy_radius_m);
+  if (!settings) return settings.error();
+  return Scene::load(options.path, *settings);
 }
 
 Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run) {

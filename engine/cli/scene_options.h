@@ -28,6 +28,9 @@ struct SceneOptions {
 
 void add_scene(CLI::App& app, SceneOptions& scene, bool is_required = true);
 
+// Checks the options. An error names the option.
+Result<SceneSettings> scene_settings_of(const SceneOptions& options, double proxy_radius_m);
+
 // Checks the options and loads the scene. An error names the option.
 Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m);
 

@@ -20,6 +20,7 @@
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_on_device.h"
+#include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
 #include "engine/devices/device_options.h"
 #include "engine/devices/hapi_device.h"
@@ -64,13 +65,13 @@ void warn(const std::string& warning) {
 }
 
 // Serves until a signal. The force is zero before anything that may wait for a client.
-int serve(const ViewRequest& request, const PageFiles& page, ViewSession& session) {
-  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
+                           ViewSession& session) {
   const auto server = ViewServer::listen(request.server, page, session);
   if (!server) {
     Error error = server.error();
     error.element = "--" + error.element;
-    return refuse(error);
+    return error;
   }
   if (!is_loopback(request.server.address)) {
     warn(
@@ -78,7 +79,7 @@ int serve(const ViewRequest& request, const PageFiles& page, ViewSession& sessio
         "encrypted");
   }
   (*server)->start();
-  if (const auto error = session.start()) return refuse(*error);
+  if (auto error = session.start()) return error;
   const std::string address = address_of(request, **server);
   std::cout << address << std::endl;
   for (const std::string& warning : session.warnings()) warn(warning);
@@ -94,7 +95,7 @@ int serve(const ViewRequest& request, const PageFiles& page, ViewSession& sessio
   while (!signal_flag().requested()) std::this_thread::sleep_for(kLookEvery);
   session.stop();
   (*server)->stop();
-  return exit_code_after_signals(finish_output());
+  return std::nullopt;
 }
 
 ViewSettings view_settings_of(const ViewRequest& request, const IsGiven& is_given) {
@@ -117,10 +118,22 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
   if (!prepared) return refuse(with_path(prepared.error(), request.run.scene.path));
   prepared->setup.haptics.a4.enabled = request.run.a4 == A4Runs::kOn;
   if (const auto error = check_setup(prepared->scene, prepared->setup)) return refuse(*error);
-  const auto session = ViewSession::create(prepared->scene, prepared->setup,
-                                           view_settings_of(request, is_given), device);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  auto recorder =
+      make_recorder(request.run.record, request.run.scene, prepared->scene, prepared->setup, false);
+  if (!recorder) return refuse(recorder.error());
+  ViewSettings settings = view_settings_of(request, is_given);
+  if (Recorder* const r = recorder->get()) settings.recording = {r, [r] { return r->failure(); }};
+  const auto session = ViewSession::create(prepared->scene, prepared->setup, settings, device);
   if (!session) return refuse(with_path(session.error(), request.run.scene.path));
-  return serve(request, *page, **session);
+  const auto refusal = serve(request, *page, **session);
+  std::vector<RecordingResult> recordings;
+  if (auto recording = finish_recording(std::move(*recorder), "interrupted")) {
+    recordings.push_back(std::move(*recording));
+  }
+  if (refusal) return refuse(*refusal);
+  for (const RecordingResult& recording : recordings) std::cout << recording_text(recording);
+  return exit_code_after_signals(finish_output(recording_warnings(recordings)));
 }
 
 int view_with_device(const ViewRequest& request, const IsGiven& is_given) {
@@ -177,6 +190,7 @@ CLI::App* ViewCommand::add_to(CLI::App& program) {
                      "turn the scene at first: on or off")
       ->group(kA4Group);
   add_rotation(app, settings);
+  add_record(app, run.record);
   add_page(app);
   return &app;
 }
@@ -217,6 +231,7 @@ int ViewCommand::run(const std::vector<std::string>& /*arguments*/) {
     return option != nullptr && option->count() > 0;
   };
   if (const auto error = check_device_options(request_.run, is_given)) return refuse(*error);
+  if (const auto error = check_recording_names({request_.run.record})) return refuse(*error);
   return request_.run.device.text.empty() ? view(request_, nullptr, is_given)
                                           : view_with_device(request_, is_given);
 }

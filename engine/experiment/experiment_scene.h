@@ -21,7 +21,7 @@ struct TrialFunctions {
   std::function<Result<TrialWay>(const Scene&, const RunSetup&, const TrialSettings&)> find_way;
   std::function<Result<TrialOutcome>(const Scene&, const TrialWay&, const RunSetup&,
                                      const TrialSettings&, const OperatorParameters&,
-                                     const TrialConditions&, const TickSink&)>
+                                     const TrialConditions&, const TrialSink&)>
       run;
 };
 

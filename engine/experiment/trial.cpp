@@ -11,11 +11,11 @@ namespace {
 
 class SinkObserver final : public TickObserver {
  public:
-  explicit SinkObserver(const TickSink& sink) : sink_(sink) {}
+  explicit SinkObserver(const TrialSink& sink) : sink_(sink) {}
   void on_tick(const TickRecord& record) noexcept override { sink_(record); }
 
  private:
-  const TickSink& sink_;
+  const TrialSink& sink_;
 };
 
 }  // namespace
@@ -42,7 +42,7 @@ PlantSettings plant_of(const RunSetup& setup, const OperatorParameters& person,
 
 Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const RunSetup& setup,
                                const TrialSettings& settings, const OperatorParameters& person,
-                               const TrialConditions& conditions, const TickSink& sink) {
+                               const TrialConditions& conditions, const TrialSink& sink) {
   RunSetup trial = setup;
   trial.haptics.force = conditions.force;
   trial.haptics.a4.enabled = conditions.a4;

@@ -64,7 +64,7 @@ struct TrialOutcome {
 
 // Called with the record of every tick of a trial, in simulated time: it may do I/O, but must not
 // throw.
-using TickSink = std::function<void(const TickRecord&)>;
+using TrialSink = std::function<void(const TickRecord&)>;
 
 // Runs one trial in simulated time. The same arguments give the same outcome to the bit, except
 // loop_ns: no trial depends on trials before it. setup: as for find_trial_way(); its force mode and
@@ -75,6 +75,6 @@ using TickSink = std::function<void(const TickRecord&)>;
 // conditions.
 Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const RunSetup& setup,
                                const TrialSettings& settings, const OperatorParameters& person,
-                               const TrialConditions& conditions, const TickSink& sink = {});
+                               const TrialConditions& conditions, const TrialSink& sink = {});
 
 }  // namespace palpate

@@ -208,6 +208,7 @@ void Scene::take_declarations(SceneDescription& description) {
   statistics_.parse_ms = description.parse_ms;
   statistics_.animations = std::move(description.animations);
   statistics_.pose = description.pose;
+  statistics_.files_read = std::move(description.files_read);
   statistics_.notes = std::move(description.notes);
   statistics_.warnings = std::move(description.warnings);
   materials_ = std::move(description.materials);

@@ -60,7 +60,8 @@ struct SceneStatistics {
   double parse_ms = 0.0;
   double mesh_ms = 0.0;
   double index_ms = 0.0;
-  MemoryBreakdown memory;  // one entry per purpose, in bytes
+  MemoryBreakdown memory;               // one entry per purpose, in bytes
+  std::vector<std::string> files_read;  // beside the file itself: buffers and images
   std::vector<std::string> notes;
   std::vector<std::string> warnings;
 };

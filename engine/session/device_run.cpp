@@ -92,7 +92,8 @@ Result<DeviceRun> run_device(const Scene& scene, const RunSetup& setup, Guardabl
                         {.changes = {&*mover},
                          .observers = {&recorder},
                          .max_force_N = setup.max_force_N,
-                         .takes_motors = settings.takes_motors});
+                         .takes_motors = settings.takes_motors,
+                         .sink = settings.sink});
   GuardedRun run(device, session,
                  {.thread = {1.0 / setup.dt_s, ticks, settings.cpu},
                   .has_guard = settings.has_guard,

@@ -13,6 +13,7 @@
 #include "engine/session/run_setup.h"
 #include "engine/session/run_summary.h"
 #include "engine/session/stop_flag.h"
+#include "engine/session/tick_sink.h"
 #include "engine/session/tick_times.h"
 #include "geometry/base/result.h"
 
@@ -27,6 +28,7 @@ struct DeviceRunSettings {
   // As in ExplorationSettings.
   std::uint64_t max_memory_bytes = 0;
   std::uint64_t taken_memory_bytes = 0;
+  TickSink* sink = nullptr;  // records the session; null: nothing does
 };
 
 struct DeviceRun {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstring>
 #include <span>
 #include <utility>
 
@@ -26,6 +27,7 @@ std::optional<std::string> HapticSession::start() {
   }
   const DeviceDescription& device = device_.description();
   governor_.emplace(device, SafetyGovernor::clamp_of(device, parts_.max_force_N));
+  if (parts_.sink) parts_.sink->on_start({device, parts_.max_force_N, parts_.takes_motors});
   return std::nullopt;
 }
 
@@ -39,9 +41,13 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   if (!is_running_.load(std::memory_order_relaxed)) return;
   if (is_paused_.load(std::memory_order_relaxed)) [[unlikely]]
     return rest(dt_s);
-  const DeviceSample& sample = governor_->begin_tick(device_.read(dt_s), {dt_s, late_ns, now_ns});
+  const DeviceSample read = device_.read(dt_s);
+  const DeviceSample& sample = governor_->begin_tick(read, {dt_s, late_ns, now_ns});
+  if (parts_.sink) record_inputs(read);
+  if (wants_rearm_.load(std::memory_order_relaxed)) take_rearm();
   take_motors();
-  for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, loop_);
+  const LoopChanges changes(loop_, parts_.sink);
+  for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, changes);
   if (is_time_step(dt_s)) time_s_ += dt_s;
   if (!sample.is_valid) loop_.refuse_sample();
   const auto start = std::chrono::steady_clock::now();
@@ -56,6 +62,9 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   published_.publish(record);
   published_status_.publish(governor_->status());
   const bool has_tripped = governor_->status().trips > trips;
+  if (parts_.sink) record_tick(record, read, dt_s, now_ns);
+  if (parts_.sink && has_tripped) parts_.sink->on_trip(governor_->status().trip);
+  ++session_ticks_;
   for (TickObserver* observer : parts_.observers) {
     if (has_tripped) observer->on_trip(governor_->status().trip);
     observer->on_tick(record);
@@ -69,11 +78,14 @@ void HapticSession::rest(double dt_s) noexcept {
   governor_->pause();
   last_step_ns_ = 0;
   last_delay_ns_ = 0;
+  ++session_ticks_;
+  ++paused_ticks_;
 }
 
 // Takes the motors of a device whose motors turn.
 void HapticSession::take_motors() noexcept {
   const std::span<const MotorDescription> motors = device_.motors_now();
+  if (parts_.sink) record_motors(motors);
   if (motors.empty()) return;
   governor_->set_motors(motors);
   if (!parts_.takes_motors) return;
@@ -83,6 +95,51 @@ void HapticSession::take_motors() noexcept {
   const auto actuation = ActuationModel::from_axes_at_pose(device_.description().sensed_axes,
                                                            std::span(axes_device).first(count));
   if (actuation) loop_.set_actuation(*actuation);  // else: the last motors count
+}
+
+// The inputs of the session itself.
+void HapticSession::record_inputs(const DeviceSample& sample) noexcept {
+  if (paused_ticks_ > 0) {
+    parts_.sink->on_input({InputKind::kPause, 0, std::as_bytes(std::span(&paused_ticks_, 1))});
+    paused_ticks_ = 0;
+  }
+  if (sample.asks_for_trip) parts_.sink->on_input({InputKind::kTrip});
+}
+
+void HapticSession::take_rearm() noexcept {
+  if (!wants_rearm_.exchange(false, std::memory_order_acq_rel)) return;
+  if (parts_.sink) parts_.sink->on_input({InputKind::kRearm});
+  governor_->rearm();
+}
+
+// Motors that have not changed since the last tick are no input.
+void HapticSession::record_motors(std::span<const MotorDescription> motors) noexcept {
+  static_assert(sizeof(MotorDescription) == 5 * sizeof(double));
+  motors = motors.first(std::min(motors.size(), recorded_motors_.size()));
+  if (motors.size() == recorded_motor_count_ &&
+      std::memcmp(motors.data(), recorded_motors_.data(), motors.size_bytes()) == 0) {
+    return;
+  }
+  std::copy(motors.begin(), motors.end(), recorded_motors_.begin());
+  recorded_motor_count_ = motors.size();
+  parts_.sink->on_input(
+      {InputKind::kMotors, static_cast<std::uint32_t>(motors.size()), std::as_bytes(motors)});
+}
+
+void HapticSession::record_tick(const TickRecord& record, const DeviceSample& sample, double dt_s,
+                                std::int64_t now_ns) noexcept {
+  TickReading reading;
+  std::copy_n(sample.position_m.begin(), 3, reading.sample_m);
+  reading.sequence = sample.sequence;
+  reading.sample_ns = sample.time_ns;
+  reading.dt_s = dt_s;
+  reading.due_ns = now_ns - record.late_ns;
+  reading.measured_dt_ns = governor_->step_ns();
+  reading.sample_age_ns = governor_->sample_age_ns();
+  reading.session_tick = session_ticks_;
+  reading.buttons = sample.buttons;
+  reading.is_valid = sample.is_valid ? 1 : 0;
+  parts_.sink->on_tick(record, reading);
 }
 
 void HapticSession::command(const TickRecord& record) noexcept {

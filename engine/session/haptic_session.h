@@ -3,13 +3,17 @@
 // A haptic session: the sequence of steps in a tick, from reading the device to commanding its
 // force.
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "engine/devices/snapshot_ring.h"
+#include "engine/session/loop_changes.h"
+#include "engine/session/tick_sink.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/safety_governor.h"
 #include "palpate/device.h"
@@ -17,21 +21,21 @@
 
 namespace palpate {
 
-// Changes nodes, materials or motors before a tick. Called on the haptic thread before every tick;
-// must not block, allocate or throw.
+// Changes nodes, materials or settings before a tick. Called on the haptic thread before every
+// tick; must not block, allocate or throw.
 class BeforeTick {
  public:
   virtual ~BeforeTick() = default;
   // time_s: sum of the valid time steps (is_time_step) of the ticks before this one.
-  virtual void before_tick(double time_s, HapticLoop& loop) noexcept = 0;
+  virtual void before_tick(double time_s, LoopChanges loop) noexcept = 0;
 };
 
 // Moves bodies of the world before a tick.
 class WorldMover : public BeforeTick {
  public:
-  void before_tick(double time_s, HapticLoop& loop) noexcept final { move_bodies(time_s, loop); }
+  void before_tick(double time_s, LoopChanges loop) noexcept final { move_bodies(time_s, loop); }
   // Calls loop.move_body() for each body that has moved. time_s: as in before_tick().
-  virtual void move_bodies(double time_s, HapticLoop& loop) noexcept = 0;
+  virtual void move_bodies(double time_s, LoopChanges loop) noexcept = 0;
 };
 
 // Receives the record of each tick, after the force was commanded. Called on the haptic thread;
@@ -55,6 +59,8 @@ struct SessionParts {
   // The loop takes the motors of a device whose motors turn (Device::motors_now) as its actuated
   // axes. False: it keeps its own axes.
   bool takes_motors = true;
+  // Gets all that is needed to compute the session again; null without a recording.
+  TickSink* sink = nullptr;
 };
 
 // Runs ticks. Each tick reads the device, calls SessionParts::changes, runs the loop, limits the
@@ -106,13 +112,28 @@ class HapticSession {
   void set_paused(bool paused) noexcept { is_paused_.store(paused, std::memory_order_relaxed); }
   // Ends a trip of the governor. Any thread may call it between start() and stop().
   void rearm() noexcept {
-    if (governor_) governor_->rearm();
+    if (governor_) wants_rearm_.store(true, std::memory_order_release);
+  }
+  // Counts paused ticks that are not run: the replay of a recording. Call it on the haptic thread,
+  // between start() and stop().
+  void skip_paused(std::uint64_t ticks) noexcept {
+    session_ticks_ += ticks;
+    governor_->pause();
+  }
+  // The last tick ended after the next one was due. Call it on the haptic thread.
+  void report_late(LateCause cause, const TickCost& cost) noexcept {
+    if (parts_.sink) parts_.sink->on_late(cause, cost);
   }
 
  private:
   void rest(double dt_s) noexcept;
   void command(const TickRecord& record) noexcept;
   void take_motors() noexcept;
+  void take_rearm() noexcept;
+  void record_inputs(const DeviceSample& sample) noexcept;
+  void record_motors(std::span<const MotorDescription> motors) noexcept;
+  void record_tick(const TickRecord& record, const DeviceSample& sample, double dt_s,
+                   std::int64_t now_ns) noexcept;
 
   HapticLoop& loop_;
   Device& device_;
@@ -122,9 +143,16 @@ class HapticSession {
   std::int64_t last_delay_ns_ = 0;
   std::atomic<bool> is_running_{false};
   std::atomic<bool> is_paused_{false};
+  std::atomic<bool> wants_rearm_{false};
+  std::uint64_t session_ticks_ = 0;         // paused ones included
   std::optional<SafetyGovernor> governor_;  // made by start()
   SnapshotRing<TickRecord> published_;
   SnapshotRing<GovernorStatus> published_status_;
+
+  // Of a session with a sink.
+  std::uint64_t paused_ticks_ = 0;  // since the last tick that was not paused
+  std::array<MotorDescription, 3> recorded_motors_{};
+  std::size_t recorded_motor_count_ = 0;
 };
 
 }  // namespace palpate

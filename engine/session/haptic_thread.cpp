@@ -87,6 +87,7 @@ void HapticThread::run() {
     ++period;
     if (!is_late) continue;
     missed_deadlines_.fetch_add(1, std::memory_order_acq_rel);
+    session_.report_late(cause_of(meter_.cost()), meter_.cost());
     period = static_cast<std::int64_t>(
         std::ceil(static_cast<double>(monotonic_ns() - start_ns) / period_ns));
   }

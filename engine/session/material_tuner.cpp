@@ -104,7 +104,7 @@ std::optional<Error> MaterialTuner::set(std::size_t handle, double value) {
   return std::nullopt;
 }
 
-void MaterialTuner::before_tick(double /*time_s*/, HapticLoop& loop) noexcept {
+void MaterialTuner::before_tick(double /*time_s*/, LoopChanges loop) noexcept {
   for (Block& block : blocks_) {
     Values values;
     if (!block.mailbox->read(values) || values.number == block.applied) continue;

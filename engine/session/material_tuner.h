@@ -45,7 +45,7 @@ class MaterialTuner final : public BeforeTick {
   std::optional<Error> set(std::size_t handle, double value);
 
   // Called on the haptic thread before a tick.
-  void before_tick(double time_s, HapticLoop& loop) noexcept override;
+  void before_tick(double time_s, LoopChanges loop) noexcept override;
 
  private:
   static constexpr std::size_t kMostBytes = 64;

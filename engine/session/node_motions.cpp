@@ -92,7 +92,7 @@ bool NodeMotions::collect() noexcept {
   return all_good;
 }
 
-void NodeMotions::move_bodies(double /*time_s*/, HapticLoop& loop) noexcept {
+void NodeMotions::move_bodies(double /*time_s*/, LoopChanges loop) noexcept {
   if (!collect()) loop.refuse_body_pose();
   for (const MovableBody& body : bodies_) {
     RigidTransform T_scene_rest;
@@ -123,7 +123,7 @@ Result<SteadyMotions> SteadyMotions::create(const Scene& scene,
   return steady;
 }
 
-void SteadyMotions::move_bodies(double time_s, HapticLoop& loop) noexcept {
+void SteadyMotions::move_bodies(double time_s, LoopChanges loop) noexcept {
   for (const Mover& mover : movers_) {
     RigidTransform T_scene_rest;
     const double angle_rad = time_s * mover.motion.turn_rad_per_s.norm();

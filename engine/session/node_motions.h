@@ -40,7 +40,7 @@ class NodeMotions final : public WorldMover {
   void set(std::size_t handle, const RigidTransform& T_scene_rest) noexcept;
 
   // Called on the haptic thread before a tick.
-  void move_bodies(double time_s, HapticLoop& loop) noexcept override;
+  void move_bodies(double time_s, LoopChanges loop) noexcept override;
 
  private:
   // Plain numbers, so that they can be copied bytewise.
@@ -79,7 +79,7 @@ class SteadyMotions final : public WorldMover {
  public:
   static Result<SteadyMotions> create(const Scene& scene, const std::vector<SteadyMotion>& motions);
 
-  void move_bodies(double time_s, HapticLoop& loop) noexcept override;
+  void move_bodies(double time_s, LoopChanges loop) noexcept override;
 
  private:
   struct Mover {

@@ -127,6 +127,7 @@ class TickMeter {
   // Call it after the last tick, before times().
   void finish() noexcept { read_usage(); }
 
+  const TickCost& cost() const noexcept { return cost_; }  // of the last tick
   const TickTimes& times() const noexcept { return times_; }
 
  private:

@@ -164,8 +164,8 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   run.a4 = setup.haptics.a4.enabled;
   const auto ticks = static_cast<std::size_t>(std::llround(settings.seconds / setup.dt_s));
   Recorder recorder(run, ticks);
-  const auto session =
-      HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m, {&recorder});
+  const auto session = HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m,
+                                           {&recorder}, settings.sink);
   if (!session) return session.error();
   if (settings.virtual_time) {
     constexpr std::uint64_t kReportEvery = 1000;

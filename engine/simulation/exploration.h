@@ -12,6 +12,7 @@
 #include "engine/session/run_setup.h"
 #include "engine/session/run_summary.h"
 #include "engine/session/stop_flag.h"
+#include "engine/session/tick_sink.h"
 #include "engine/session/tick_times.h"
 #include "geometry/base/result.h"
 
@@ -25,6 +26,7 @@ struct ExplorationSettings {
   // already uses. 0: half of the free memory (memory_budget.h).
   std::uint64_t max_memory_bytes = 0;
   std::uint64_t taken_memory_bytes = 0;
+  TickSink* sink = nullptr;  // records the session; null: nothing does
 };
 
 struct ExplorationRun {

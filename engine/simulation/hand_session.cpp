@@ -27,7 +27,7 @@ PlantSettings with_motors(PlantSettings plant, const RunSetup& setup) {
 
 HandSession::HandSession(const Scene& scene, const RunSetup& setup, const PlantSettings& plant,
                          HandPlan& plan, const Vec3& start_scene_m,
-                         std::vector<TickObserver*> observers, SteadyMotions mover)
+                         std::vector<TickObserver*> observers, TickSink* sink, SteadyMotions mover)
     : dt_s_(setup.dt_s),
       mover_(std::move(mover)),
       device_(with_motors(plant, setup), plan, setup.haptics.initial_pose.point(start_scene_m),
@@ -36,16 +36,18 @@ HandSession::HandSession(const Scene& scene, const RunSetup& setup, const PlantS
       session_(loop_, device_,
                {.changes = {&mover_},
                 .observers = with_last(std::move(observers), device_),
-                .max_force_N = setup.max_force_N}) {}
+                .max_force_N = setup.max_force_N,
+                .sink = sink}) {}
 
 Result<std::unique_ptr<HandSession>> HandSession::create(const Scene& scene, const RunSetup& setup,
                                                          const PlantSettings& plant, HandPlan& plan,
                                                          const Vec3& start_scene_m,
-                                                         std::vector<TickObserver*> observers) {
+                                                         std::vector<TickObserver*> observers,
+                                                         TickSink* sink) {
   auto mover = SteadyMotions::create(scene, setup.moves);
   if (!mover) return mover.error();
-  return std::unique_ptr<HandSession>(new HandSession(scene, setup, plant, plan, start_scene_m,
-                                                      std::move(observers), std::move(*mover)));
+  return std::unique_ptr<HandSession>(new HandSession(
+      scene, setup, plant, plan, start_scene_m, std::move(observers), sink, std::move(*mover)));
 }
 
 }  // namespace palpate

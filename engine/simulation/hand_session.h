@@ -19,12 +19,14 @@ class HandSession {
  public:
   // The caller must have checked setup and plant (check_setup, check_plant). start_scene_m: the
   // point where the hand and the device rest at time 0, scene frame. observers: called in every
-  // tick, before the hand sees the record of the tick. All references must outlive the session.
-  // Returns an error if a node that setup.moves names does not exist.
+  // tick, before the hand sees the record of the tick. sink: records the session; null: nothing
+  // does. All references must outlive the session. Returns an error if a node that setup.moves
+  // names does not exist.
   static Result<std::unique_ptr<HandSession>> create(const Scene& scene, const RunSetup& setup,
                                                      const PlantSettings& plant, HandPlan& plan,
                                                      const Vec3& start_scene_m,
-                                                     std::vector<TickObserver*> observers);
+                                                     std::vector<TickObserver*> observers,
+                                                     TickSink* sink = nullptr);
 
   // Runs ticks in simulated time, as fast as possible, then commands zero force. Ends after `most`
   // ticks, or when is_over(n) returns true. is_over(n) is called before tick n (n = 0, 1, ...).
@@ -43,7 +45,8 @@ class HandSession {
 
  private:
   HandSession(const Scene& scene, const RunSetup& setup, const PlantSettings& plant, HandPlan& plan,
-              const Vec3& start_scene_m, std::vector<TickObserver*> observers, SteadyMotions mover);
+              const Vec3& start_scene_m, std::vector<TickObserver*> observers, TickSink* sink,
+              SteadyMotions mover);
 
   double dt_s_;
   SteadyMotions mover_;

@@ -127,7 +127,7 @@ void LiveSettings::find_motors() noexcept {
   for (std::size_t i = 0; i < motor_count_; ++i) motors_[i].direction_device = taken_.axes[i];
 }
 
-void LiveSettings::before_tick(double /*time_s*/, HapticLoop& loop) noexcept {
+void LiveSettings::before_tick(double /*time_s*/, LoopChanges loop) noexcept {
   if (!is_taken_) take();
   is_taken_ = false;
   if (!is_new_) return;

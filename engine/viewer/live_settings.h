@@ -57,7 +57,7 @@ class LiveSettings final : public BeforeTick {
   std::span<const MotorDescription> motors() const noexcept {
     return is_new_ ? std::span(motors_).first(motor_count_) : std::span<const MotorDescription>();
   }
-  void before_tick(double time_s, HapticLoop& loop) noexcept override;
+  void before_tick(double time_s, LoopChanges loop) noexcept override;
 
  private:
   // Plain numbers, so that they can be copied bytewise.

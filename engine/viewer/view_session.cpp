@@ -116,7 +116,8 @@ ViewSession::ViewSession(const Scene& scene, const RunSetup& setup, const ViewSe
            .observers = device == nullptr ? std::vector<TickObserver*>{&publisher_, &simulated_}
                                           : std::vector<TickObserver*>{&publisher_},
            .max_force_N = setup.max_force_N,
-           .takes_motors = device != nullptr && settings.takes_motors}) {
+           .takes_motors = device != nullptr && settings.takes_motors,
+           .sink = settings.recording.sink}) {
   const HapticThreadSettings thread{1.0 / setup.dt_s, 0, settings.cpu};
   if (device == nullptr) {
     thread_ = std::make_unique<HapticThread>(session_, thread);
@@ -228,6 +229,12 @@ std::string ViewSession::status(std::size_t clients) {
 }
 
 std::optional<ViewModel::Event> ViewSession::take_event() {
+  if (settings_.recording.failure && !has_told_recording_) {
+    if (const auto why = settings_.recording.failure()) {
+      has_told_recording_ = true;
+      return Event{"recording", "the recording has ended: " + *why};
+    }
+  }
   GovernorStatus governor;
   if (!session_.latest(governor) || governor.trips == told_trips_) return std::nullopt;
   told_trips_ = governor.trips;

@@ -3,6 +3,7 @@
 // A haptic session that a page watches and changes.
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "engine/session/haptic_thread.h"
 #include "engine/session/material_tuner.h"
 #include "engine/session/run_setup.h"
+#include "engine/session/tick_sink.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/viewer/held_device.h"
 #include "engine/viewer/live_settings.h"
@@ -26,12 +28,21 @@
 
 namespace palpate {
 
+// A recording of a session.
+struct ViewRecording {
+  TickSink* sink = nullptr;  // null: nothing is recorded; it must outlive the session
+  // Why the recording has ended before the session; no value while it goes on. The network thread
+  // calls it.
+  std::function<std::optional<std::string>()> failure;
+};
+
 struct ViewSettings {
   std::string scene_name;  // what the page shows as its name
   std::optional<int> cpu;  // see HapticThreadSettings
   bool has_guard = true;   // see GuardedRunSettings
   bool without_realtime = false;
   bool takes_motors = true;  // see SessionParts
+  ViewRecording recording;
 };
 
 // A scene with more triangles is simplified for the display.
@@ -107,6 +118,7 @@ class ViewSession final : public ViewModel {
   bool is_paused_ = false;
   TickStatistics statistics_;
   std::uint64_t told_trips_ = 0;
+  bool has_told_recording_ = false;  // that it ended
   std::uint64_t counted_ticks_ = 0;
   std::chrono::steady_clock::time_point counted_at_;
   double last_rate_Hz_ = 0.0;

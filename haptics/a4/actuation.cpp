@@ -118,6 +118,22 @@ std::optional<ActuationModel> ActuationModel::from_axes_at_pose(
   return ActuationModel(sensors, static_cast<int>(axes_device.size()), basis);
 }
 
+std::optional<ActuationModel> ActuationModel::from_basis(
+    int sensors, int actuators, const std::array<Vec3, 3>& basis) noexcept {
+  if ((sensors != 2 && sensors != 3) || actuators < 0 || actuators > sensors) return std::nullopt;
+  for (std::size_t i = 0; i < basis.size(); ++i) {
+    if (static_cast<int>(i) >= actuators) break;  // filled up with the device's axes
+    if (!(std::abs(basis[i].squaredNorm() - 1.0) <= kSpanRoundoff)) return std::nullopt;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!(std::abs(basis[i].dot(basis[j])) <= kSpanRoundoff)) return std::nullopt;
+    }
+  }
+  for (const Vec3& axis : basis) {
+    if (!axis.allFinite()) return std::nullopt;
+  }
+  return ActuationModel(sensors, actuators, basis);
+}
+
 ActuationCase ActuationModel::table1_case() const {
   if (actuators_ == 0) return ActuationCase::kNoActuator;
   if (actuators_ == sensors_) return ActuationCase::kFullyActuated;

@@ -42,6 +42,12 @@ class ActuationModel {
   static std::optional<ActuationModel> from_axes_at_pose(
       int sensors, std::span<const Vec3> axes_device) noexcept;
 
+  // A model with the numbers of another one, as actuated_axis() returned them for i = 0, 1, 2, and
+  // equal to it bit for bit. Returns nullopt unless the numbers are those of a model: 2 or 3
+  // sensors, at most as many actuators, and actuated axes that are orthonormal. Does not allocate.
+  static std::optional<ActuationModel> from_basis(int sensors, int actuators,
+                                                  const std::array<Vec3, 3>& basis) noexcept;
+
   int sensors() const { return sensors_; }
   int actuators() const { return actuators_; }
   ActuationCase table1_case() const;

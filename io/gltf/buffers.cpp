@@ -132,7 +132,7 @@ Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t inde
 }
 
 Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t max_bytes,
-                                        std::uint64_t wanted_bytes) const {
+                                        std::uint64_t wanted_bytes) {
   if (std::string_view(uri).starts_with(kDataScheme)) return data_uri_bytes(uri);
   const auto file = resolve_inside(folder_, uri);
   if (!file) return file.error();
@@ -144,7 +144,12 @@ Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t ma
                       "the file " + in_quotes(uri) + " is a Git LFS pointer, not the data",
                       "run git lfs pull where the asset came from");
   }
-  if (bytes) return bytes;
+  if (bytes) {
+    if (std::find(files_read_.begin(), files_read_.end(), *file) == files_read_.end()) {
+      files_read_.push_back(*file);
+    }
+    return bytes;
+  }
   Error error = bytes.error();
   error.problem = "the file " + in_quotes(uri) + " " + error.problem;
   if (error.hint.empty()) error.hint = "put the file beside the asset";

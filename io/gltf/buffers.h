@@ -54,7 +54,10 @@ class GltfBuffers {
   // as buffer bytes. Error::element is empty.
   Result<FileBytes> read_uri(
       const std::string& uri, std::uint64_t max_bytes,
-      std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max()) const;
+      std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max());
+
+  // The paths of the files that were read so far, each once, in the order of their first use.
+  const std::vector<std::string>& files_read() const { return files_read_; }
 
   // Counts bytes that are about to be decoded from a buffer, as if they were bytes of a buffer. An
   // error if the total exceeds kMaxGltfBufferBytes. element: for messages.
@@ -74,6 +77,7 @@ class GltfBuffers {
   std::string folder_;
   MemoryLedger* memory_;
   std::uint64_t loaded_bytes_ = 0;
+  std::vector<std::string> files_read_;
   std::size_t unstored_left_ = kMaxGltfUnstored;
 };
 

@@ -421,7 +421,9 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   const GltfAsset asset{sections->model, *root, buffers, compressed_views,
                         extensions->mesh_quantization};
   ledger.begin("reading the scene");
-  return SceneReader(asset, options, std::move(warnings), extensions->warnings).run();
+  auto scene = SceneReader(asset, options, std::move(warnings), extensions->warnings).run();
+  if (scene) scene->files_read = buffers.files_read();
+  return scene;
 }
 
 // Handles the exceptions that are not caused by lack of memory.

@@ -251,10 +251,14 @@ TEST_F(CommandLine, DescribesEveryOptionWithItsUnit) {
                         {"--virtual", "simulated time"},
                         {"--workspace", " m"},
                         {"--out", "folder"},
-                        {"--a4", "compare"}});
+                        {"--a4", "compare"},
+                        {"--record", "FILE"}});
   const Outcome replayed = expect_done({"replay", "--help"});
   expect_help(replayed.out, kSharedOptions);
-  expect_help(replayed.out, {{"--trajectory", "metres"}, {"--out", "CSV"}, {"--repeat", "passes"}});
+  expect_help(replayed.out, {{"--trajectory", "metres"},
+                             {"--out", "CSV"},
+                             {"--repeat", "passes"},
+                             {"--scene", "recording"}});
   const Outcome info = expect_done({"info", "--help"});
   expect_help(info.out, {{"--json", "JSON"}});
 }
@@ -290,8 +294,8 @@ TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
 
 TEST_F(CommandLine, RefusesUnknownArguments) {
   write_path();
-  expect_refused({}, {"subcommand is required; expected run, view, replay, accuracy, experiment, "
-                      "soak, info or devices"});
+  expect_refused({}, {"subcommand is required; expected run, view, replay, recording, accuracy, "
+                      "experiment, soak, info or devices"});
   expect_refused({"feel"}, {"feel"});
   expect_refused({"--bogus"}, {"--bogus"});
   expect_refused({"info"}, {"SCENE"});

@@ -23,7 +23,7 @@ inline TrialFunctions stand_in_trials(std::chrono::microseconds duration = {}) {
   functions.run = [duration](const Scene& scene, const TrialWay&, const RunSetup& setup,
                              const TrialSettings& settings, const OperatorParameters& person,
                              const TrialConditions& conditions,
-                             const TickSink& sink) -> Result<TrialOutcome> {
+                             const TrialSink& sink) -> Result<TrialOutcome> {
     KeyHash key;
     key.add(conditions.noise_seed).add(std::uint64_t{conditions.a4});
     key.add(static_cast<std::uint64_t>(conditions.force));

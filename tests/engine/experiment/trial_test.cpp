@@ -166,7 +166,7 @@ TEST(OperatorHand, KnowsNothingButItsPictures) {
   OperatorHand clean(p.way, person, Following::kPredict, {}, 0.0);
   OperatorHand poisoned(p.way, person, Following::kPredict, {}, 0.0);
   bool has_differed = false;
-  const TickSink compare = [&](const TickRecord& r) {
+  const TrialSink compare = [&](const TickRecord& r) {
     TickRecord poison;
     std::memset(static_cast<void*>(&poison), 0xff, sizeof poison);  // every double is NaN
     put(pose_after(r), poison.q_after_wxyz, poison.o_after_m);

@@ -21,6 +21,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/devices/vector_device.h"
+#include "engine/recording/recorder.h"
+#include "engine/recording/recording_settings.h"
 #include "engine/scene/scene.h"
 #include "engine/session/haptic_session.h"
 #include "engine/session/haptic_thread.h"
@@ -35,6 +37,7 @@
 #include "geometry/mesh/section.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/all_effects.h"
+#include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -53,8 +56,13 @@ std::atomic<std::uint64_t> g_allocations{0};
 std::atomic<std::uint64_t> g_releases{0};
 std::atomic<std::uint64_t> g_locks{0};
 
+std::atomic<bool> g_counts_one_thread{false};
+thread_local bool t_is_counted = false;  // where only one thread is
+
 void count(std::atomic<std::uint64_t>& counter) noexcept {
-  if (g_counting.load(std::memory_order_relaxed)) counter.fetch_add(1, std::memory_order_relaxed);
+  if (!g_counting.load(std::memory_order_relaxed)) return;
+  if (g_counts_one_thread.load(std::memory_order_relaxed) && !t_is_counted) return;
+  counter.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace
@@ -205,6 +213,19 @@ class Census {
     EXPECT_EQ(allocations(), 0u);
     EXPECT_EQ(releases(), 0u);
     EXPECT_EQ(locks(), 0u);
+  }
+};
+
+// Counts on the thread that constructs it only.
+class ThreadCensus : public Census {
+ public:
+  ThreadCensus() {
+    t_is_counted = true;
+    g_counts_one_thread = true;
+  }
+  ~ThreadCensus() {
+    g_counts_one_thread = false;
+    t_is_counted = false;
   }
 };
 
@@ -611,6 +632,38 @@ TEST(SilentThread, NeitherAllocatesNorLocksOnceItHasStarted) {
   thread.stop();
   census.expect_nothing();
   EXPECT_GT(observer.sums.finish({}).contact_ticks, 100u);
+}
+
+// ---- a recording -------------------------------------------------------------------------------
+
+// The thread of the ticks hands over rows, inputs and events; the thread of the recorder allocates.
+TEST(SilentRecording, NeitherAllocatesNorLocksInATick) {
+  const test::TemporaryFolder folder;
+  const auto scene = Scene::load(PALPATE_MODELS_DIR "/torus.glb");
+  ASSERT_TRUE(scene);
+  RecordedSetup setup;
+  setup.scene_path = PALPATE_MODELS_DIR "/torus.glb";
+  const auto meta = meta_of(*scene, setup);
+  ASSERT_TRUE(meta);
+  auto recorder = Recorder::create(folder.path("a.palpate"), *meta, {});
+  ASSERT_TRUE(recorder);
+  const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 2);
+  HapticLoop loop(scene->world(), setup.actuation, setup.haptics);
+  PlayedDevice device(path);
+  auto mover = SteadyMotions::create(
+      *scene, {{scene->tree().front().name, Vec3(1e-4, 0, 0), Vec3(0, 0, 1e-3)}});
+  ASSERT_TRUE(mover);
+  HapticSession session(loop, device, {.changes = {&*mover}, .sink = recorder->get()});
+  ASSERT_FALSE(session.start());
+  ThreadCensus census;
+  for (int n = 0; n < 5'000; ++n) session.tick(1e-3);
+  session.report_late(LateCause::kOurs, {});
+  census.stop();
+  session.stop();
+  census.expect_nothing();
+  const RecordingResult result = (*recorder)->finish("end");
+  EXPECT_FALSE(result.error);
+  EXPECT_EQ(result.ticks, 5'000u);
 }
 
 }  // namespace

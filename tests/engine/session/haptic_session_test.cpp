@@ -146,7 +146,7 @@ class CallLogger final : public TickObserver {
 class Changer final : public BeforeTick {
  public:
   explicit Changer(std::vector<std::string>& calls) : calls_(calls) {}
-  void before_tick(double, HapticLoop&) noexcept override { calls_.push_back("change"); }
+  void before_tick(double, LoopChanges) noexcept override { calls_.push_back("change"); }
 
  private:
   std::vector<std::string>& calls_;

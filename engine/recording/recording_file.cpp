@@ -1,0 +1,211 @@
+#include "engine/recording/recording_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
+
+#include "engine/recording/recording_schema.h"
+#include "engine/recording/sqlite_handles.h"
+
+namespace palpate {
+namespace {
+
+// A name like ":memory:" must be a file.
+std::string file_name(const std::string& path) {
+  return path.starts_with('/') ? path : "./" + path;
+}
+
+// Creates an empty file, unless one exists.
+std::optional<Error> create_empty(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor >= 0) {
+    ::close(descriptor);
+    return std::nullopt;
+  }
+  const bool exists = errno == EEXIST;
+  const std::string problem = exists ? "exists; expected the name of a new file"
+                                     : std::string("cannot be created: ") + std::strerror(errno);
+  return Error{ErrorCode::kFileUnwritable, path, "", problem,
+               exists ? "remove the file or choose another name" : ""};
+}
+
+void remove_all(const std::string& path) {
+  for (const char* ending : {"-wal", "-journal", ""}) ::unlink((path + ending).c_str());
+}
+
+bool bind_value(sqlite3_stmt* statement, int index, const MetaValue& value) {
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+    return sqlite3_bind_int64(statement, index, *integer) == SQLITE_OK;
+  }
+  if (const auto* number = std::get_if<double>(&value)) {
+    return sqlite3_bind_double(statement, index, *number) == SQLITE_OK;
+  }
+  const auto& text = std::get<std::string>(value);
+  return sqlite3_bind_text(statement, index, text.data(), static_cast<int>(text.size()),
+                           SQLITE_TRANSIENT) == SQLITE_OK;
+}
+
+bool bind_value(sqlite3_stmt* statement, int index, std::span<const std::byte> bytes) {
+  return sqlite3_bind_blob64(statement, index, bytes.data(), bytes.size(), SQLITE_STATIC) ==
+         SQLITE_OK;
+}
+
+}  // namespace
+
+struct RecordingFile::State {
+  std::string path;
+  ino_t inode = 0;
+  Database database;
+  Statement block, event, meta;
+
+  Error error() const {
+    return {ErrorCode::kFileUnwritable, path, "",
+            "cannot be written: " + sqlite_problem(database.get()), ""};
+  }
+  std::optional<Error> run(const char* sql) const {
+    if (sqlite3_exec(database.get(), sql, nullptr, nullptr, nullptr) == SQLITE_OK) {
+      return std::nullopt;
+    }
+    return error();
+  }
+  // Runs a statement whose values are bound.
+  std::optional<Error> step(const Statement& statement, bool is_bound) const {
+    if (!is_bound || sqlite3_step(statement.get()) != SQLITE_DONE) {
+      Error failed = error();
+      sqlite3_reset(statement.get());
+      return failed;
+    }
+    sqlite3_reset(statement.get());
+    return std::nullopt;
+  }
+  // A removed file can be written to without an error, but nobody would ever read it.
+  std::optional<Error> check_place() const {
+    struct stat now {};
+    if (::stat(path.c_str(), &now) == 0 && now.st_ino == inode) return std::nullopt;
+    return Error{ErrorCode::kFileUnwritable, path, "", "was removed or replaced", ""};
+  }
+  std::optional<Error> open(const char* file_system);
+  std::optional<Error> make_tables();
+};
+
+std::optional<Error> RecordingFile::State::open(const char* file_system) {
+  struct stat created {};
+  if (::stat(path.c_str(), &created) != 0) return error();
+  inode = created.st_ino;
+  sqlite3* opened = nullptr;
+  const int code = sqlite3_open_v2(
+      file_name(path).c_str(), &opened,
+      SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE, file_system);
+  database.reset(opened);
+  if (code != SQLITE_OK) return error();
+  sqlite3_extended_result_codes(opened, 1);
+  // The lock must be exclusive before the log is first used. Commits are not synchronised with the
+  // disk: they must survive the death of the process, not of the machine.
+  if (auto failed = run("PRAGMA page_size=4096; PRAGMA mmap_size=0; PRAGMA temp_store=MEMORY; "
+                        "PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; "
+                        "PRAGMA synchronous=NORMAL")) {
+    return failed;
+  }
+  return make_tables();
+}
+
+std::optional<Error> RecordingFile::State::make_tables() {
+  if (auto failed = run("BEGIN")) return failed;
+  const std::string marks = "PRAGMA application_id=" + std::to_string(kRecordingApplication) +
+                            "; PRAGMA user_version=" + std::to_string(kRecordingVersion);
+  if (auto failed = run(marks.c_str())) return failed;
+  for (const RecordingTable& table : kRecordingTables) {
+    if (auto failed = run(table.sql)) return failed;
+  }
+  if (auto failed = run("COMMIT")) return failed;
+  block = prepare(database.get(), "INSERT OR REPLACE INTO block VALUES (?, ?, ?, ?)");
+  event = prepare(database.get(), "INSERT INTO event VALUES (?, ?, ?, ?)");
+  meta = prepare(database.get(), "INSERT OR REPLACE INTO meta VALUES (?, ?)");
+  if (!block || !event || !meta) return error();
+  return std::nullopt;
+}
+
+RecordingFile::RecordingFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RecordingFile::RecordingFile(RecordingFile&&) noexcept = default;
+RecordingFile& RecordingFile::operator=(RecordingFile&&) noexcept = default;
+RecordingFile::~RecordingFile() = default;
+
+Result<RecordingFile> RecordingFile::create(const std::string& path, const RecordingMeta& meta,
+                                            const char* file_system, int log_pages) {
+  if (auto error = create_empty(path)) return *error;
+  RecordingFile file(std::make_unique<State>());
+  file.state_->path = path;
+  auto error = file.state_->open(file_system);
+  const std::string copying = "PRAGMA wal_autocheckpoint=" + std::to_string(log_pages);
+  if (!error) error = file.state_->run(copying.c_str());
+  if (!error) error = file.begin();
+  if (!error) error = file.set_meta(meta);
+  if (!error) error = file.commit();
+  // The file itself, not its log alone, says from here on that it is a recording.
+  if (!error) error = file.state_->run("PRAGMA wal_checkpoint(TRUNCATE)");
+  if (!error) return file;
+  file.state_.reset();
+  remove_all(path);
+  return *error;
+}
+
+std::optional<Error> RecordingFile::begin() {
+  return state_->run("BEGIN IMMEDIATE");
+}
+
+std::optional<Error> RecordingFile::commit() {
+  if (auto error = state_->check_place()) return error;
+  return state_->run("COMMIT");
+}
+
+std::optional<Error> RecordingFile::add_block(std::int64_t first_tick, std::int64_t ticks,
+                                              std::span<const std::byte> columns,
+                                              std::span<const std::byte> inputs) {
+  sqlite3_stmt* statement = state_->block.get();
+  const bool is_bound = sqlite3_bind_int64(statement, 1, first_tick) == SQLITE_OK &&
+                        sqlite3_bind_int64(statement, 2, ticks) == SQLITE_OK &&
+                        bind_value(statement, 3, columns) && bind_value(statement, 4, inputs);
+  return state_->step(state_->block, is_bound);
+}
+
+std::optional<Error> RecordingFile::add_event(std::int64_t tick, double time_s,
+                                              const std::string& kind, const std::string& detail) {
+  sqlite3_stmt* statement = state_->event.get();
+  const bool is_bound = sqlite3_bind_int64(statement, 1, tick) == SQLITE_OK &&
+                        sqlite3_bind_double(statement, 2, time_s) == SQLITE_OK &&
+                        bind_value(statement, 3, MetaValue(kind)) &&
+                        bind_value(statement, 4, MetaValue(detail));
+  return state_->step(state_->event, is_bound);
+}
+
+std::optional<Error> RecordingFile::set_meta(const RecordingMeta& meta) {
+  for (const auto& [key, value] : meta) {
+    sqlite3_stmt* statement = state_->meta.get();
+    const bool is_bound =
+        bind_value(statement, 1, MetaValue(key)) && bind_value(statement, 2, value);
+    if (auto error = state_->step(state_->meta, is_bound)) return error;
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> RecordingFile::finish(std::int64_t ticks, std::int64_t dropped,
+                                           const std::string& why) {
+  const Statement ending = prepare(state_->database.get(), "INSERT INTO ending VALUES (?, ?, ?)");
+  if (!ending) return state_->error();
+  if (auto error = begin()) return error;
+  const bool is_bound = sqlite3_bind_int64(ending.get(), 1, ticks) == SQLITE_OK &&
+                        sqlite3_bind_int64(ending.get(), 2, dropped) == SQLITE_OK &&
+                        bind_value(ending.get(), 3, MetaValue(why));
+  if (auto error = state_->step(ending, is_bound)) return error;
+  if (auto error = commit()) return error;
+  // Statements must not be open when the log is removed.
+  state_->block.reset();
+  state_->event.reset();
+  state_->meta.reset();
+  return state_->run("PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode=DELETE");
+}
+
+}  // namespace palpate

@@ -1,0 +1,59 @@
+#pragma once
+
+// Writes the database of a recording.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "engine/recording/recording_meta.h"
+#include "geometry/base/result.h"
+
+namespace palpate {
+
+// One recording while it is written. Does I/O; not for the haptic thread. One thread at a time may
+// use it.
+//
+// The database uses a write-ahead log. It locks the file for itself, so that SQLite needs no
+// shared memory: a mapped file on a disk that disappears would end the process by SIGBUS. After
+// the death of the process, all committed transactions are in the file or in its log.
+class RecordingFile {
+ public:
+  // Creates the file with its tables and `meta`. Returns an error if the file exists or cannot be
+  // created; nothing is left then. file_system: SQLite's name of a file system layer, for tests;
+  // null: the usual one. log_pages: the length of
+  // the log at which it is copied into the file; 0: only at the end.
+  static Result<RecordingFile> create(const std::string& path, const RecordingMeta& meta,
+                                      const char* file_system = nullptr, int log_pages = 0);
+
+  RecordingFile(RecordingFile&&) noexcept;
+  RecordingFile& operator=(RecordingFile&&) noexcept;
+  ~RecordingFile();  // leaves a recording without ending, as a crash does
+
+  // Each of the following functions returns an error if the disk is full, the file is gone or an
+  // operation fails. The recording has then ended: what was committed stays readable.
+  std::optional<Error> begin();
+  // Replaces a block that begins with the same tick.
+  std::optional<Error> add_block(std::int64_t first_tick, std::int64_t ticks,
+                                 std::span<const std::byte> columns,
+                                 std::span<const std::byte> inputs);
+  std::optional<Error> add_event(std::int64_t tick, double time_s, const std::string& kind,
+                                 const std::string& detail);
+  std::optional<Error> set_meta(const RecordingMeta& meta);
+  std::optional<Error> commit();
+
+  // Writes the ending, and makes the file one plain file without a log. Call it once, outside of a
+  // transaction.
+  std::optional<Error> finish(std::int64_t ticks, std::int64_t dropped, const std::string& why);
+
+ private:
+  struct State;
+  explicit RecordingFile(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,356 @@
+#include "engine/recording/recording_replay.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <system_error>
+#include <utility>
+
+#include "engine/recording/block_walk.h"
+#include "engine/recording/recorded_tick.h"
+#include "engine/session/haptic_session.h"
+#include "haptics/check_settings.h"
+#include "haptics/effects/effect_program.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A device that senses what the recorded one sensed.
+class RecordedDevice final : public Device {
+ public:
+  explicit RecordedDevice(DeviceDescription description) : description_(std::move(description)) {}
+
+  void set_row(const TickReading& reading, bool asks_for_trip) {
+    std::copy_n(reading.sample_m, 3, sample_.position_m.begin());
+    sample_.buttons = reading.buttons;
+    sample_.sequence = reading.sequence;
+    sample_.time_ns = reading.sample_ns;
+    sample_.is_valid = reading.is_valid != 0;
+    sample_.asks_for_trip = asks_for_trip;
+  }
+  void set_motors(std::span<const std::byte> bytes) {
+    motor_count_ = bytes.size() / sizeof(MotorDescription);
+    std::memcpy(motors_.data(), bytes.data(), motor_count_ * sizeof(MotorDescription));
+  }
+
+  const DeviceDescription& description() const noexcept override { return description_; }
+  DeviceSample read(double) noexcept override { return sample_; }
+  void command(const DeviceCommand&) noexcept override {}
+  std::span<const MotorDescription> motors_now() const noexcept override {
+    return std::span(motors_).first(motor_count_);
+  }
+
+ private:
+  DeviceDescription description_;
+  DeviceSample sample_;
+  std::array<MotorDescription, 3> motors_{};
+  std::size_t motor_count_ = 0;
+};
+
+// Makes the recorded changes of a tick.
+class RecordedChanges final : public BeforeTick {
+ public:
+  void set_inputs(std::span<const TickInput> inputs) { inputs_ = inputs; }
+  void before_tick(double, LoopChanges changes) noexcept override {
+    for (const TickInput& input : inputs_) changes.make(input);
+  }
+
+ private:
+  std::span<const TickInput> inputs_;
+};
+
+// Keeps the tick that the session computes.
+class ComputedTick final : public TickSink {
+ public:
+  void on_start(const SessionFacts&) noexcept override {}
+  void on_input(const TickInput&) noexcept override {}
+  void on_tick(const TickRecord& record, const TickReading& reading) noexcept override {
+    row.record = record;
+    row.reading = reading;
+  }
+  void on_trip(const GovernorTrip& trip) noexcept override { summary.add(trip); }
+  void on_late(LateCause, const TickCost&) noexcept override {}
+
+  RecordedTick row;
+  SummaryAccumulator summary;
+};
+
+std::optional<ReplayDifference> first_difference(const RecordedTick& recorded,
+                                                 const RecordedTick& computed) {
+  const auto* a = reinterpret_cast<const std::byte*>(&recorded);
+  const auto* b = reinterpret_cast<const std::byte*>(&computed);
+  for (const RecordColumn& column : recorded_columns()) {
+    if (column.source != ColumnSource::kComputed) continue;
+    if (std::memcmp(a + column.offset, b + column.offset, column.bytes) == 0) continue;
+    return ReplayDifference{recorded.record.tick, column.name, column_text(column, recorded),
+                            column_text(column, computed)};
+  }
+  return std::nullopt;
+}
+
+// Checks what HapticLoop requires of its callers: a file may be hostile.
+class InputRules {
+ public:
+  InputRules(const Scene& scene, const HapticSettings& settings)
+      : world_(scene.world()), scale_(scene.statistics().scale), settings_(settings) {}
+
+  // What is wrong; null if nothing is.
+  const char* problem(const TickInput& input) {
+    switch (input.kind) {
+      case InputKind::kEffectParameters:
+        return problem_of_parameters(input);
+      case InputKind::kForce:
+        return input.handle <= static_cast<std::uint32_t>(ForceMode::kFull) ? nullptr
+                                                                            : "an unknown force";
+      case InputKind::kCoupling:
+        return problem_of_coupling(input);
+      case InputKind::kMotors:
+        return input.bytes.size() == input.handle * sizeof(MotorDescription) ? nullptr
+                                                                             : "a number of motors";
+      default:
+        return nullptr;
+    }
+  }
+
+ private:
+  const char* problem_of_coupling(const TickInput& input) {
+    std::array<double, 2> numbers;
+    std::memcpy(numbers.data(), input.bytes.data(), sizeof numbers);
+    HapticSettings settings = settings_;
+    settings.coupling.stiffness_N_per_m = numbers[0];
+    settings.coupling.damping_Ns_per_m = numbers[1];
+    return check_settings(world_, settings) ? "a stiffness or damping" : nullptr;
+  }
+
+  // Only the numbers of the effect's keys may differ from those of the scene.
+  const char* problem_of_parameters(const TickInput& input) const {
+    constexpr const char* kWrong = "parameters of an effect";
+    if (!world_.effects || input.handle >= world_.effects->calls.size()) return kWrong;
+    const EffectCall& call = world_.effects->calls[input.handle];
+    const EffectType& effect = compiled_effects()[call.effect];
+    if (input.bytes.size() != effect.parameter_bytes) return kWrong;
+    alignas(double) std::array<std::byte, kMostInputBytes> bytes{};
+    std::copy(input.bytes.begin(), input.bytes.end(), bytes.begin());
+    if (effect.contradiction(bytes.data())) return kWrong;
+    std::array<std::byte, kMostInputBytes> rest = bytes;
+    for (const ParameterKey& key : effect.keys) {
+      double number = 0.0;
+      std::memcpy(&number, bytes.data() + key.offset, sizeof number);
+      const double unit = key.scales_as_length ? scale_ : 1.0;
+      if (!(number >= key.least * unit && number <= key.most * unit)) return kWrong;
+      if (key.kind == ParameterKey::Kind::kChoice && number != 0.0 && number != 1.0) return kWrong;
+      std::memcpy(rest.data() + key.offset,
+                  &world_.effects->parameters[call.parameters] + key.offset, sizeof number);
+    }
+    const bool is_same = std::equal(rest.begin(), rest.begin() + input.bytes.size(),
+                                    world_.effects->parameters.begin() + call.parameters);
+    return is_same ? nullptr : kWrong;
+  }
+
+  const ContactWorld& world_;
+  double scale_;
+  HapticSettings settings_;
+};
+
+bool is_ignored(InputKind kind, const ReplayChange& change) {
+  switch (kind) {
+    case InputKind::kA4:
+      return change.ignores_a4;
+    case InputKind::kForce:
+      return change.ignores_force;
+    case InputKind::kCoupling:
+      return change.ignores_coupling;
+    case InputKind::kEffectParameters:
+      return change.ignores_effects;
+    default:
+      return false;
+  }
+}
+
+// One replay.
+class Replayer {
+ public:
+  Replayer(const RecordedSession& recorded, const Scene& scene, const ReplayOptions& options)
+      : options_(options),
+        rules_(scene, recorded.setup.haptics),
+        device_(recorded.device),
+        loop_(scene.world(), recorded.setup.actuation, recorded.setup.haptics),
+        session_(loop_, device_,
+                 {.changes = {&changes_},
+                  .max_force_N = recorded.max_force_N,
+                  .takes_motors = recorded.takes_motors,
+                  .sink = &computed_}) {}
+
+  std::optional<Error> run(const RecordingReader& reader) {
+    session_.start();
+    BlockWalk walk(reader);
+    for (WalkStep step = walk.next(); step.kind != WalkStep::Kind::kEnd; step = walk.next()) {
+      if (step.kind != WalkStep::Kind::kBlock) {
+        outcome_.stopped = step.error->element + ": " + step.error->problem;
+        break;
+      }
+      if (step.missing > 0) {
+        outcome_.stopped = std::to_string(step.missing) + " ticks are missing before tick " +
+                           std::to_string(step.first_tick);
+        break;
+      }
+      if (auto error = run_block(step.content)) return error;
+      if (outcome_.difference) break;
+      if (options_.progress) options_.progress(outcome_.proved);
+    }
+    session_.stop();
+    return std::nullopt;
+  }
+
+  ReplayOutcome finish() {
+    outcome_.recorded = recorded_summary_.finish({});
+    outcome_.computed = computed_.summary.finish({});
+    return std::move(outcome_);
+  }
+
+ private:
+  std::optional<Error> run_block(const BlockContent& block) {
+    auto input = block.inputs.begin();
+    std::vector<TickInput> inputs;
+    for (std::uint32_t i = 0; i < block.rows.size() && !outcome_.difference; ++i) {
+      inputs.clear();
+      for (; input != block.inputs.end() && input->row == i; ++input)
+        inputs.push_back(input->input);
+      const RecordedTick& row = block.rows[i];
+      if (const char* problem = run_tick(row, inputs)) {
+        return Error{ErrorCode::kInvalidContent, "", "tick " + std::to_string(row.record.tick),
+                     std::string("has an input with ") + problem + " that the scene has not", ""};
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Null, or what is wrong with an input.
+  const char* run_tick(const RecordedTick& row, std::vector<TickInput>& inputs) {
+    bool asks_for_trip = false;
+    std::size_t kept = 0;
+    for (const TickInput input : inputs) {
+      if (options_.left_out == input.kind) continue;
+      if (const char* problem = rules_.problem(input)) return problem;
+      if (options_.change && is_ignored(input.kind, *options_.change)) {
+        ++outcome_.ignored_inputs;
+        continue;
+      }
+      if (!take_session_input(input, asks_for_trip)) inputs[kept++] = input;
+    }
+    changes_.set_inputs(std::span<const TickInput>(inputs).first(kept));
+    device_.set_row(row.reading, asks_for_trip);
+    const std::int64_t late_ns = row.record.late_ns;
+    // Unsigned, because the numbers of a hostile file may overflow.
+    const auto now_ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(row.reading.due_ns) +
+                                                  static_cast<std::uint64_t>(late_ns));
+    session_.tick(row.reading.dt_s, late_ns, now_ns);
+    if (!options_.change) outcome_.difference = first_difference(row, computed_.row);
+    if (outcome_.difference) return nullptr;
+    ++outcome_.proved;
+    recorded_summary_.add(row.record);
+    computed_.summary.add(computed_.row.record);
+    return nullptr;
+  }
+
+  // False for a change of the loop.
+  bool take_session_input(const TickInput& input, bool& asks_for_trip) {
+    switch (input.kind) {
+      case InputKind::kMotors:
+        device_.set_motors(input.bytes);
+        return true;
+      case InputKind::kRearm:
+        session_.rearm();
+        return true;
+      case InputKind::kTrip:
+        asks_for_trip = true;
+        return true;
+      case InputKind::kPause: {
+        std::uint64_t ticks = 0;
+        std::memcpy(&ticks, input.bytes.data(), sizeof ticks);
+        session_.skip_paused(ticks);
+        return true;
+      }
+      default:
+        return false;
+    }
+  }
+
+  const ReplayOptions& options_;
+  InputRules rules_;
+  RecordedDevice device_;
+  RecordedChanges changes_;
+  ComputedTick computed_;
+  HapticLoop loop_;
+  HapticSession session_;
+  ReplayOutcome outcome_;
+  SummaryAccumulator recorded_summary_;
+};
+
+std::optional<Error> check_session(const RecordedSession& session, const Scene& scene) {
+  if (auto error = check_settings(scene.world(), session.setup.haptics)) return error;
+  const int motors = session.device.motor_count;
+  if (motors < 0 || motors > static_cast<int>(session.device.motors.size())) {
+    return Error{ErrorCode::kInvalidContent, "", "device.motor_count",
+                 "is " + std::to_string(motors) + "; expected 0 to 3", ""};
+  }
+  if (session.device.sensed_axes != session.setup.actuation.sensors()) {
+    return Error{
+        ErrorCode::kInvalidContent, "", "device.sensed_axes",
+        "is " + std::to_string(session.device.sensed_axes) + "; expected the number of sensors",
+        ""};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<ReplayOutcome> replay_recording(const RecordingReader& reader,
+                                       const RecordedSession& session, const Scene& scene,
+                                       const ReplayOptions& options) {
+  const auto in_file = [&](Error error) {
+    error.path = reader.path();
+    return error;
+  };
+  if (auto error = check_session(session, scene)) return in_file(*error);
+  auto ending = reader.ending();
+  if (!ending) return ending.error();
+  const auto replayer = std::make_unique<Replayer>(session, scene, options);
+  if (auto error = replayer->run(reader)) return in_file(*error);
+  ReplayOutcome outcome = replayer->finish();
+  outcome.ending = std::move(*ending);
+  return outcome;
+}
+
+Result<Scene> load_recorded_scene(const RecordedSession& session, const std::string& moved) {
+  std::error_code failed;
+  std::string path = moved.empty() ? session.setup.scene_path : moved;
+  if (moved.empty() && !fs::exists(path, failed)) path = session.scene_place;
+  const auto changed = [](const std::string& file) {
+    return Error{ErrorCode::kInvalidContent, file, "",
+                 "differs from the file that was recorded; the recording needs the same bytes",
+                 "state where the recorded scene is with `scene`"};
+  };
+  auto scene = Scene::load(path, session.setup.scene);
+  if (!scene) return scene;
+  const auto files = files_of(*scene, path);
+  if (!files) return files.error();
+  for (std::size_t i = 0; i < files->size(); ++i) {
+    const RecordedFile& now = (*files)[i];
+    const auto recorded =
+        i == 0 ? session.files.begin()
+               : std::find_if(session.files.begin() + 1, session.files.end(),
+                              [&](const RecordedFile& f) { return f.name == now.name; });
+    const bool is_same = recorded != session.files.end() && recorded->bytes == now.bytes &&
+                         recorded->sha256 == now.sha256;
+    if (!is_same) return changed(i == 0 ? path : now.name);
+  }
+  return scene;
+}
+
+}  // namespace palpate

@@ -1,0 +1,379 @@
+#include "engine/recording/recording_settings.h"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/recording/recorded_tick.h"
+#include "engine/recording/sha256.h"
+#include "haptics/effects/effect.h"
+#include "io/gltf/file.h"
+#include "io/gltf/limits.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kMostFiles = 4096;
+
+// An enumeration with its last value.
+template <typename Enum>
+struct Choice {
+  Enum& value;
+  Enum last;
+};
+
+// The settings with their keys. `visit` writes them or reads them, so that both use the same keys.
+template <typename Visit>
+void visit_vector(const std::string& key, Vec3& v, Visit& visit) {
+  visit(key + "_x", v.x());
+  visit(key + "_y", v.y());
+  visit(key + "_z", v.z());
+}
+
+template <typename Visit>
+void visit_haptics(HapticSettings& s, Visit& visit) {
+  Accuracy& accuracy = s.god_object.accuracy;
+  visit("proxy.radius_m", s.god_object.radius_m);
+  visit("proxy.iterations", accuracy.iterations);
+  visit("proxy.tolerance", accuracy.tolerance);
+  visit("proxy.narrow_phase", Choice<NarrowPhase>{accuracy.narrow_phase, NarrowPhase::kDouble});
+  visit("proxy.reuse_candidates", accuracy.reuse_candidates);
+  visit("proxy.certify", accuracy.certify);
+  visit("proxy.work_budget", accuracy.work_budget);
+  visit("coupling.stiffness_N_per_m", s.coupling.stiffness_N_per_m);
+  visit("coupling.damping_Ns_per_m", s.coupling.damping_Ns_per_m);
+  visit("coupling.velocity_method",
+        Choice<VelocityMethod>{s.coupling.velocity.method, VelocityMethod::kAdaptive});
+  visit("coupling.velocity_window_ticks", s.coupling.velocity.window_ticks);
+  visit("coupling.encoder_quantum_m", s.coupling.velocity.encoder_quantum_m);
+  visit("force", Choice<ForceMode>{s.force, ForceMode::kFull});
+  visit("a4.enabled", s.a4.enabled);
+  visit("a4.table1", Choice<Table1Form>{s.a4.table1, Table1Form::kAsPrinted});
+  visit("a4.step", Choice<StepRule>{s.a4.step, StepRule::kSpeedByDt});
+  visit("a4.speed_at_zero_rad_per_s", s.a4.profile.speed_at_zero_rad_per_s);
+  visit("a4.speed_at_knee_rad_per_s", s.a4.profile.speed_at_knee_rad_per_s);
+  visit("a4.knee_rad", s.a4.profile.knee_rad);
+  visit("plane_height_m", s.plane_height_m);
+  visit("initial_pose.q_w", s.initial_pose.rotation.w());
+  visit("initial_pose.q_x", s.initial_pose.rotation.x());
+  visit("initial_pose.q_y", s.initial_pose.rotation.y());
+  visit("initial_pose.q_z", s.initial_pose.rotation.z());
+  visit_vector("initial_pose.o_m", s.initial_pose.translation_m, visit);
+  visit("measures_effects", s.measures_effects);
+}
+
+template <typename Visit>
+void visit_setup(RecordedSetup& s, Visit& visit) {
+  visit("scene.path", s.scene_path);
+  visit("scene.node", s.scene.node);
+  visit("scene.pose", s.scene.pose);
+  visit("scene.scale", s.scene.scale);
+  visit("scene.proxy_radius_m", s.scene.proxy_radius_m);
+  visit("dt_s", s.dt_s);
+  visit("virtual_time", s.virtual_time);
+  visit_haptics(s.haptics, visit);
+}
+
+template <typename Visit>
+void visit_device(DeviceDescription& d, Visit& visit) {
+  const auto box = [&](const std::string& key, std::array<double, 3>& v) {
+    visit(key + "_x", v[0]);
+    visit(key + "_y", v[1]);
+    visit(key + "_z", v[2]);
+  };
+  visit("device.name", d.name);
+  visit("device.sensed_axes", d.sensed_axes);
+  visit("device.motor_count", d.motor_count);
+  for (std::size_t i = 0; i < d.motors.size(); ++i) {
+    const std::string key = "device.motor_" + std::to_string(i);
+    box(key + ".direction", d.motors[i].direction_device);
+    visit(key + ".peak_force_N", d.motors[i].peak_force_N);
+    visit(key + ".continuous_force_N", d.motors[i].continuous_force_N);
+  }
+  visit("device.moves_motors", d.moves_motors);
+  visit("device.peak_force_N", d.peak_force_N);
+  box("device.workspace_low_m", d.workspace_low_m);
+  box("device.workspace_high_m", d.workspace_high_m);
+  visit("device.mass_kg", d.mass_kg);
+  visit("device.damping_Ns_per_m", d.damping_Ns_per_m);
+  visit("device.coulomb_friction_N", d.coulomb_friction_N);
+  visit("device.encoder_quantum_m", d.encoder_quantum_m);
+  visit("device.rate_Hz", d.rate_Hz);
+  visit("device.when_host_is_silent",
+        Choice<HostSilence>{d.when_host_is_silent, HostSilence::kZeroForce});
+}
+
+class MetaWriter {
+ public:
+  explicit MetaWriter(RecordingMeta& meta) : meta_(meta) {}
+  void operator()(const std::string& key, const std::string& text) { meta_[key] = text; }
+  template <typename Number>
+  void operator()(const std::string& key, const Number& number) {
+    if constexpr (std::is_same_v<Number, double>) {
+      meta_[key] = number;
+    } else {
+      meta_[key] = static_cast<std::int64_t>(number);
+    }
+  }
+  template <typename Enum>
+  void operator()(const std::string& key, const Choice<Enum>& choice) {
+    meta_[key] = static_cast<std::int64_t>(choice.value);
+  }
+
+ private:
+  RecordingMeta& meta_;
+};
+
+class MetaReader {
+ public:
+  explicit MetaReader(const RecordingMeta& meta) : meta_(meta) {}
+
+  void operator()(const std::string& key, std::string& text) {
+    if (const auto* value = get<std::string>(key, "a text")) text = *value;
+  }
+  void operator()(const std::string& key, double& number) {
+    if (const auto* value = get<double>(key, "a number")) number = *value;
+  }
+  void operator()(const std::string& key, bool& flag) {
+    if (const auto value = integer(key, 0, 1)) flag = *value != 0;
+  }
+  template <typename Integer>
+  void operator()(const std::string& key, Integer& number) {
+    using Limits = std::numeric_limits<Integer>;
+    if (const auto value = integer(key, Limits::min(), Limits::max())) {
+      number = static_cast<Integer>(*value);
+    }
+  }
+  template <typename Enum>
+  void operator()(const std::string& key, const Choice<Enum>& choice) {
+    if (const auto value = integer(key, 0, static_cast<std::int64_t>(choice.last))) {
+      choice.value = static_cast<Enum>(*value);
+    }
+  }
+
+  std::optional<std::int64_t> integer(const std::string& key, std::int64_t least,
+                                      std::int64_t most) {
+    const auto* value = get<std::int64_t>(key, "an integer");
+    if (!value) return std::nullopt;
+    if (*value >= least && *value <= most) return *value;
+    fail(key, "is " + std::to_string(*value) + "; expected " + std::to_string(least) + " to " +
+                  std::to_string(most));
+    return std::nullopt;
+  }
+  bool has(const std::string& key) const { return meta_.contains(key); }
+  void fail(const std::string& key, std::string problem) {
+    if (!error_) error_ = Error{ErrorCode::kInvalidContent, "", key, std::move(problem), ""};
+  }
+  const std::optional<Error>& error() const { return error_; }
+
+ private:
+  template <typename Value>
+  const Value* get(const std::string& key, const char* expected) {
+    const auto found = meta_.find(key);
+    if (found == meta_.end()) {
+      fail(key, std::string("is missing; expected ") + expected);
+      return nullptr;
+    }
+    const Value* value = std::get_if<Value>(&found->second);
+    if (!value) fail(key, std::string("has another type; expected ") + expected);
+    return value;
+  }
+
+  const RecordingMeta& meta_;
+  std::optional<Error> error_;
+};
+
+std::string effects_text() {
+  std::string names;
+  for (const EffectType& effect : compiled_effects()) {
+    names += (names.empty() ? "" : " ") + std::string(effect.name);
+  }
+  return names;
+}
+
+std::string inputs_json() {
+  nlohmann::ordered_json kinds = nlohmann::ordered_json::array();
+  for (const InputKindFacts& facts : kInputKinds) {
+    kinds.push_back({{"kind", static_cast<int>(facts.kind)},
+                     {"name", facts.name},
+                     {"handle", facts.handle},
+                     {"bytes", facts.bytes}});
+  }
+  return kinds.dump();
+}
+
+std::string overrides_json(const std::vector<MaterialOverride>& overrides) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const MaterialOverride& o : overrides) list.push_back({o.material, o.key, o.value});
+  return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::vector<MaterialOverride> overrides_of(const std::string& key, const std::string& text,
+                                           MetaReader& reader) {
+  const auto list = nlohmann::json::parse(text, nullptr, false);
+  std::vector<MaterialOverride> overrides;
+  const bool is_list = list.is_array();
+  for (std::size_t i = 0; is_list && i < list.size(); ++i) {
+    const auto& o = list[i];
+    if (!o.is_array() || o.size() != 3 || !o[0].is_string() || !o[1].is_string() ||
+        !o[2].is_string()) {
+      break;
+    }
+    overrides.push_back({o[0], o[1], o[2]});
+  }
+  if (!is_list || overrides.size() != list.size()) {
+    reader.fail(key, "is no list of a material, a key and a value each");
+  }
+  return overrides;
+}
+
+Result<RecordedFile> recorded_file(const std::string& path, std::string name) {
+  const auto bytes = read_regular_file(path, kMaxGltfFileBytes);
+  if (!bytes) return bytes.error();
+  return RecordedFile{std::move(name), bytes->size(), sha256_hex(bytes->span())};
+}
+
+// The actuation is stored as the numbers of its basis.
+void write_actuation(const ActuationModel& actuation, MetaWriter& writer) {
+  writer("actuation.sensors", actuation.sensors());
+  writer("actuation.actuators", actuation.actuators());
+  for (int i = 0; i < 3; ++i) {
+    Vec3 axis = actuation.actuated_axis(i);
+    visit_vector("actuation.axis_" + std::to_string(i), axis, writer);
+  }
+}
+
+void read_actuation(MetaReader& reader, ActuationModel& actuation) {
+  int sensors = 0, actuators = 0;
+  std::array<Vec3, 3> basis = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  reader("actuation.sensors", sensors);
+  reader("actuation.actuators", actuators);
+  for (int i = 0; i < 3; ++i) {
+    visit_vector("actuation.axis_" + std::to_string(i), basis[static_cast<std::size_t>(i)], reader);
+  }
+  const auto model = ActuationModel::from_basis(sensors, actuators, basis);
+  if (model) {
+    actuation = *model;
+  } else {
+    reader.fail("actuation", "is no model of sensors and actuators");
+  }
+}
+
+void read_files(MetaReader& reader, std::vector<RecordedFile>& files) {
+  const auto count = reader.integer("files", 1, kMostFiles);
+  for (std::int64_t i = 0; count && i < *count && !reader.error(); ++i) {
+    const std::string key = "file_" + std::to_string(i);
+    RecordedFile file;
+    std::int64_t bytes = 0;
+    reader(key + ".name", file.name);
+    reader(key + ".bytes", bytes);
+    reader(key + ".sha256", file.sha256);
+    file.bytes = static_cast<std::uint64_t>(bytes);
+    files.push_back(std::move(file));
+  }
+}
+
+// A table that this build would read or compute differently.
+void check_table(const char* key, const std::string& ours, MetaReader& reader) {
+  std::string theirs;
+  reader(key, theirs);
+  if (theirs != ours) {
+    reader.fail(key, "differ from those of this engine, version " + std::string(engine_version()));
+  }
+}
+
+}  // namespace
+
+const char* engine_version() {
+  return PALPATE_VERSION;
+}
+
+Result<std::vector<RecordedFile>> files_of(const Scene& scene, const std::string& path) {
+  std::vector<RecordedFile> files;
+  auto main = recorded_file(path, fs::path(path).filename().string());
+  if (!main) return main.error();
+  files.push_back(std::move(*main));
+  std::error_code failed;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(path, failed).parent_path(), failed);
+  for (const std::string& read : scene.statistics().files_read) {
+    auto file = recorded_file(read, fs::path(read).lexically_relative(folder).string());
+    if (!file) return file.error();
+    files.push_back(std::move(*file));
+  }
+  return files;
+}
+
+Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup) {
+  const auto files = files_of(scene, setup.scene_path);
+  if (!files) return files.error();
+  RecordingMeta meta;
+  MetaWriter writer(meta);
+  meta["engine"] = std::string(engine_version());
+  meta["build"] = std::string(PALPATE_BUILD) + ", " + __VERSION__;
+  meta["columns"] = recorded_columns_json();
+  meta["input_kinds"] = inputs_json();
+  meta["effects"] = effects_text();
+  RecordedSetup copy = setup;
+  visit_setup(copy, writer);
+  std::error_code failed;
+  meta["scene.place"] = fs::absolute(setup.scene_path, failed).string();
+  meta["scene.overrides"] = overrides_json(setup.scene.overrides);
+  write_actuation(setup.actuation, writer);
+  writer("files", files->size());
+  for (std::size_t i = 0; i < files->size(); ++i) {
+    const std::string key = "file_" + std::to_string(i);
+    writer(key + ".name", (*files)[i].name);
+    writer(key + ".bytes", (*files)[i].bytes);
+    writer(key + ".sha256", (*files)[i].sha256);
+  }
+  return meta;
+}
+
+RecordingMeta meta_of(const SessionFacts& facts) {
+  RecordingMeta meta;
+  MetaWriter writer(meta);
+  DeviceDescription device = facts.device;
+  visit_device(device, writer);
+  writer("session.takes_motors", facts.takes_motors);
+  if (facts.max_force_N) writer("session.max_force_N", *facts.max_force_N);
+  return meta;
+}
+
+Result<RecordedSession> session_of(const RecordingMeta& meta) {
+  MetaReader reader(meta);
+  RecordedSession session;
+  reader("engine", session.engine);
+  reader("build", session.build);
+  check_table("columns", recorded_columns_json(), reader);
+  check_table("effects", effects_text(), reader);
+  visit_setup(session.setup, reader);
+  reader("scene.place", session.scene_place);
+  std::string overrides;
+  reader("scene.overrides", overrides);
+  session.setup.scene.overrides = overrides_of("scene.overrides", overrides, reader);
+  read_actuation(reader, session.setup.actuation);
+  read_files(reader, session.files);
+  if (!reader.has("device.name")) {
+    reader.fail("device.name", "is missing; the session had not begun when it ended");
+  }
+  visit_device(session.device, reader);
+  reader("session.takes_motors", session.takes_motors);
+  if (reader.has("session.max_force_N")) {
+    double most_N = 0.0;
+    reader("session.max_force_N", most_N);
+    session.max_force_N = most_N;
+  }
+  const double scale = session.setup.scene.scale;
+  if (!(scale > 0.0) || !std::isfinite(scale)) reader.fail("scene.scale", "is not above 0");
+  if (reader.error()) return *reader.error();
+  return session;
+}
+
+}  // namespace palpate

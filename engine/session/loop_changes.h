@@ -1,0 +1,49 @@
+#pragma once
+
+// The changes that a program may make to a haptic loop before a tick.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "engine/session/tick_sink.h"
+#include "haptics/haptic_loop.h"
+
+namespace palpate {
+
+// Makes changes to a loop and hands each of them to a recording, at the place where it acts. Code
+// that runs before a tick gets this object in place of the loop, so that no change can miss the
+// recording: each function packs its arguments into a TickInput, and apply_change() unpacks them,
+// also when a recording is replayed. A copy refers to the same loop.
+//
+// The functions are those of HapticLoop with the same names. Call them on the haptic thread.
+class LoopChanges {
+ public:
+  // sink: null without a recording.
+  LoopChanges(HapticLoop& loop, TickSink* sink = nullptr)  // NOLINT(google-explicit-constructor)
+      : loop_(&loop), sink_(sink) {}
+
+  void move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept;
+  void refuse_body_pose() noexcept { make({InputKind::kBadBodyPose}); }
+  void set_actuation(const ActuationModel& actuation) noexcept;
+  void set_effect_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept {
+    make({InputKind::kEffectParameters, call, parameters});
+  }
+  void set_a4(bool enabled) noexcept { make({InputKind::kA4, enabled ? 1u : 0u}); }
+  void set_force(ForceMode force) noexcept {
+    make({InputKind::kForce, static_cast<std::uint32_t>(force)});
+  }
+  void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
+
+  const HapticLoop& loop() const noexcept { return *loop_; }
+
+  // Makes a change of a recording. False, and no change, if the input is none of a loop or has
+  // bytes that no change has.
+  bool make(const TickInput& input) noexcept;
+
+ private:
+  HapticLoop* loop_;
+  TickSink* sink_;
+};
+
+}  // namespace palpate

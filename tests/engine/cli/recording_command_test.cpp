@@ -1,0 +1,237 @@
+// --record, `replay` of recordings and the command `recording`, started as a script starts them.
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <sqlite3.h>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/engine/cli/run_program.h"
+
+namespace palpate {
+namespace {
+
+using test::content_of;
+using test::Outcome;
+using test::outcome_of;
+using test::run_program;
+using test::start_program;
+using test::TemporaryFolder;
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRecordedStar = PALPATE_MODELS_DIR "/star.glb";
+
+std::vector<std::string> recorded_run(const std::string& file, const std::string& a4 = "on") {
+  return {"run", kRecordedStar, "--virtual", "--seconds", "5", "--a4", a4, "--record", file};
+}
+
+// A run that is not comparable after 5 s, which is none of the tests' business.
+Outcome record(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
+  const Outcome done = run_program(folder, arguments);
+  EXPECT_TRUE(done.exit_code == 0 || done.exit_code == 3) << done.err;
+  return done;
+}
+
+void expect_one_line(const Outcome& refused, const std::string& name) {
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  EXPECT_EQ(refused.out, "");
+  EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+  EXPECT_NE(refused.err.find(name), std::string::npos) << refused.err;
+  EXPECT_TRUE(std::all_of(refused.err.begin(), refused.err.end(), [](unsigned char c) {
+    return c >= 32 || c == '\n';
+  })) << refused.err;
+}
+
+TEST(RecordingCommand, ARunIsRecordedAndReplaysToTheBit) {
+  const TemporaryFolder folder;
+  const Outcome run = record(folder, recorded_run("a.palpate"));
+  EXPECT_NE(run.out.find("recording in a.palpate: 5000 ticks"), std::string::npos) << run.out;
+  const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
+  EXPECT_EQ(replayed.out, "5000 ticks computed again, each with the same bits\n");
+  const Outcome json = run_program(folder, {"replay", "a.palpate", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(json.out)["proved_ticks"], 5000);
+  const Outcome checked = run_program(folder, {"recording", "check", "a.palpate"});
+  EXPECT_EQ(checked.exit_code, 0) << checked.out;
+  // The content decides, not the name.
+  fs::rename(folder.path("a.palpate"), folder.path("b.glb"));
+  EXPECT_EQ(run_program(folder, {"replay", "b.glb"}).exit_code, 0);
+}
+
+TEST(RecordingCommand, TheTraceIsTheOneThatRunHasWritten) {
+  const TemporaryFolder folder;
+  record(folder, recorded_run("a.palpate"));
+  const Outcome exported =
+      run_program(folder, {"recording", "export", "a.palpate", "--csv", "trace.csv"});
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_EQ(content_of(folder.path("trace.csv")), content_of(folder.path("out/trace-on.csv")));
+}
+
+TEST(RecordingCommand, AComparisonWritesTwoFiles) {
+  const TemporaryFolder folder;
+  const Outcome run = record(folder, recorded_run("a.palpate", "compare"));
+  EXPECT_FALSE(fs::exists(folder.path("a.palpate")));
+  for (const char* file : {"a-off.palpate", "a-on.palpate"}) {
+    EXPECT_EQ(run_program(folder, {"replay", file}).exit_code, 0) << file;
+  }
+  expect_one_line(run_program(folder, recorded_run("a.palpate", "compare")),
+                  "a-off.palpate: exists");
+}
+
+TEST(RecordingCommand, AFileThatExistsIsRefusedBeforeTheRun) {
+  const TemporaryFolder folder;
+  folder.write("a.palpate", "precious");
+  expect_one_line(run_program(folder, recorded_run("a.palpate")), "a.palpate: exists");
+  EXPECT_EQ(content_of(folder.path("a.palpate")), "precious");
+  EXPECT_FALSE(fs::exists(folder.path("out")));
+}
+
+TEST(RecordingCommand, ARunInRealTimeReplaysToTheBit) {
+  const TemporaryFolder folder;
+  record(folder, {"run", kRecordedStar, "--seconds", "2", "--a4", "on", "--record", "a.palpate"});
+  const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+}
+
+// --move, an effect and the force of all axes.
+TEST(RecordingCommand, ARunWithMovingNodesReplaysToTheBit) {
+  const TemporaryFolder folder;
+  const Outcome info = run_program(folder, {"info", kRecordedStar, "--list", "--json"});
+  const std::string node = nlohmann::json::parse(info.out)[0]["name"];
+  auto arguments = recorded_run("a.palpate");
+  arguments.insert(arguments.end(), {"--sensors", "3", "--actuators", "2", "--force", "full",
+                                     "--move", node + "=0.001 0 0 0 0 0.05"});
+  record(folder, arguments);
+  const Outcome replayed = run_program(folder, {"replay", "a.palpate", "--json"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  const Outcome checked = run_program(folder, {"recording", "check", "a.palpate", "--json"});
+  EXPECT_GT(nlohmann::json::parse(checked.out)[0]["inputs"], 4000);
+}
+
+TEST(RecordingCommand, AChangedSceneIsRefusedByNameAndAMovedOneIsFound) {
+  const TemporaryFolder folder;
+  fs::copy_file(kRecordedStar, folder.path("star.glb"));
+  auto arguments = recorded_run("a.palpate");
+  arguments[1] = "star.glb";
+  record(folder, arguments);
+  fs::rename(folder.path("star.glb"), folder.path("moved.glb"));
+  expect_one_line(run_program(folder, {"replay", "a.palpate"}), "star.glb");
+  EXPECT_EQ(run_program(folder, {"replay", "a.palpate", "--scene", "moved.glb"}).exit_code, 0);
+  fs::copy_file(PALPATE_MODELS_DIR "/cube.glb", folder.path("star.glb"));
+  expect_one_line(run_program(folder, {"replay", "a.palpate"}), "star.glb: differs");
+}
+
+TEST(RecordingCommand, AnswersWhatIf) {
+  const TemporaryFolder folder;
+  record(folder, recorded_run("a.palpate"));
+  const Outcome same = run_program(folder, {"replay", "a.palpate", "--a4", "on", "--json"});
+  ASSERT_EQ(same.exit_code, 0) << same.err;
+  auto json = nlohmann::json::parse(same.out);
+  EXPECT_EQ(json["recorded"]["mean_penetration_m"], json["what_if"]["mean_penetration_m"]);
+  const Outcome other =
+      run_program(folder, {"replay", "a.palpate", "--a4", "off", "--stiffness", "2000", "--json"});
+  ASSERT_EQ(other.exit_code, 0) << other.err;
+  json = nlohmann::json::parse(other.out);
+  EXPECT_EQ(json["open_loop"], true);
+  EXPECT_GT(json["recorded"]["effects"]["a4"]["ticks"], 0);
+  EXPECT_EQ(json["what_if"]["effects"]["a4"]["ticks"], 0);
+  const Outcome text = run_program(folder, {"replay", "a.palpate", "--damping", "1"});
+  EXPECT_NE(text.out.find("open loop"), std::string::npos) << text.out;
+  expect_one_line(run_program(folder, {"replay", "a.palpate", "--sensors", "3"}), "--sensors");
+  expect_one_line(run_program(folder, {"replay", kRecordedStar}), "--trajectory");
+}
+
+// A disk of 200 KiB: the run ends as without recording, and says so. Needs the right to mount.
+TEST(RecordingCommand, AFullDiskEndsTheRecordingAndNotTheRun) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path("small"));
+  const std::string program = PALPATE_PROGRAM;
+  const std::string run = program + " run " + kRecordedStar + " --seconds 5 --a4 on --out ";
+  const std::string script =
+      "cd " + folder.path() + " || exit 9\n" + run + "plain > plain.txt\n" +
+      "echo $? > plain.code\n" + "mount -t tmpfs -o size=200k none small || exit 9\n" + run +
+      "full --record small/a.palpate --json > full.txt 2> full.err\n" + "echo $? > full.code\n" +
+      program + " recording check small/a.palpate --json > check.txt\n" + "echo $? > check.code\n";
+  folder.write("script", script);
+  const int status =
+      std::system(("unshare -m sh " + folder.path("script") + " 2> " + folder.path("err")).c_str());
+  if (status != 0) GTEST_SKIP() << "no right to mount: " << content_of(folder.path("err"));
+  EXPECT_EQ(content_of(folder.path("full.code")), content_of(folder.path("plain.code")));
+  const std::string warning = content_of(folder.path("full.err"));
+  EXPECT_NE(warning.find("the recording ended: small/a.palpate"), std::string::npos) << warning;
+  const auto json = nlohmann::json::parse(content_of(folder.path("full.txt")));
+  EXPECT_NE(json["recordings"][0]["problem"].get<std::string>().find("full"), std::string::npos);
+  EXPECT_EQ(json["runs"][0]["ticks"], 5'000);
+  EXPECT_EQ(content_of(folder.path("check.code")), "0\n");
+  const auto check = nlohmann::json::parse(content_of(folder.path("check.txt")))[0];
+  EXPECT_GT(check["ticks"], 200);
+  EXPECT_LT(check["ticks"], 5'000);
+  EXPECT_TRUE(check["ending"].is_null());
+}
+
+// kill -9: all but the last half second is there, and check says that there is no ending.
+TEST(RecordingCommand, AKilledRunLeavesARecordingThatReplays) {
+  const TemporaryFolder folder;
+  const auto started = start_program(
+      folder, {"run", kRecordedStar, "--seconds", "60", "--a4", "on", "--record", "a.palpate"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(3'000));
+  ::kill(started.process, SIGKILL);
+  EXPECT_EQ(outcome_of(started).exit_code, -1);
+  const Outcome checked = run_program(folder, {"recording", "check", "a.palpate", "--json"});
+  ASSERT_EQ(checked.exit_code, 0) << checked.out << checked.err;
+  const auto check = nlohmann::json::parse(checked.out)[0];
+  EXPECT_TRUE(check["ending"].is_null());
+  EXPECT_GT(check["ticks"], 100);
+  const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_NE(replayed.out.find("no ending"), std::string::npos);
+  // The log was used and not changed.
+  EXPECT_TRUE(fs::exists(folder.path("a.palpate-wal")));
+  EXPECT_FALSE(fs::exists(folder.path("a.palpate-shm")));
+  const Outcome repaired =
+      run_program(folder, {"recording", "repair", "a.palpate", "--out", "b.palpate"});
+  EXPECT_EQ(repaired.exit_code, 0) << repaired.err;
+  EXPECT_FALSE(fs::exists(folder.path("b.palpate-wal")));
+  EXPECT_EQ(run_program(folder, {"replay", "b.palpate"}).exit_code, 0);
+}
+
+TEST(RecordingCommand, OtherFilesAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("text", "hello");
+  folder.write("empty", "");
+  for (const char* command : {"info", "check"}) {
+    for (const char* file : {"text", "empty", "missing", "."}) {
+      expect_one_line(run_program(folder, {"recording", command, file}), file);
+    }
+  }
+  expect_one_line(run_program(folder, {"recording", "repair", "text", "--out", "copy"}), "text");
+  EXPECT_FALSE(fs::exists(folder.path("copy")));
+}
+
+TEST(RecordingCommand, AnotherVersionIsStatedFirst) {
+  const TemporaryFolder folder;
+  record(folder, recorded_run("a.palpate"));
+  sqlite3* database = nullptr;
+  sqlite3_open(folder.path("a.palpate").c_str(), &database);
+  EXPECT_EQ(sqlite3_exec(database, "UPDATE meta SET value = '99.0' WHERE key = 'engine'", nullptr,
+                         nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+  const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
+  EXPECT_EQ(replayed.exit_code, 0);
+  EXPECT_TRUE(replayed.out.starts_with("recorded by version 99.0; this is version"))
+      << replayed.out;
+}
+
+}  // namespace
+}  // namespace palpate
