@@ -127,6 +127,11 @@ class HapticLoop {
   void set_force(ForceMode force) noexcept { settings_.force = force; }
   void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
 
+  // The present settings, with what the functions above have changed, and the present motors. Call
+  // on the haptic thread.
+  const HapticSettings& settings() const noexcept { return settings_; }
+  const ActuationModel& actuation() const noexcept { return actuation_; }
+
   // The bodies that have moved since the construction, and the pose of a body in the scene. Call on
   // the haptic thread.
   std::span<const std::uint32_t> moved_bodies() const noexcept {
