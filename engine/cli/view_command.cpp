@@ -24,6 +24,7 @@
 #include "engine/cli/run_results.h"
 #include "engine/devices/device_options.h"
 #include "engine/devices/hapi_device.h"
+#include "engine/viewer/http_rules.h"
 #include "engine/viewer/page_files.h"
 #include "engine/viewer/view_server.h"
 #include "engine/viewer/view_session.h"
@@ -62,6 +63,17 @@ Error no_page() {
 
 void warn(const std::string& warning) {
   std::cerr << "palpate: warning: " << printable(warning) << "\n";
+}
+
+std::optional<Error> check_hosts(const std::vector<std::string>& hosts) {
+  for (const std::string& host : hosts) {
+    const auto name = host_name(host);
+    if (name && name->size() == host.size()) continue;
+    return invalid_argument("--allow-host", "is \"" + host +
+                                                "\"; expected a host's name or address without a "
+                                                "port, such as desk.example or [2001:db8::1]");
+  }
+  return std::nullopt;
 }
 
 // Serves until a signal. The force is zero before anything that may wait for a client.
@@ -236,6 +248,7 @@ int ViewCommand::run(const std::vector<std::string>& /*arguments*/) {
     return option != nullptr && option->count() > 0;
   };
   if (const auto error = check_device_options(request_.run, is_given)) return refuse(*error);
+  if (const auto error = check_hosts(request_.server.allowed_hosts)) return refuse(*error);
   if (const auto error = check_recording_names({request_.run.record})) return refuse(*error);
   return request_.run.device.text.empty() ? view(request_, nullptr, is_given)
                                           : view_with_device(request_, is_given);

@@ -74,6 +74,12 @@ void LiveClient::send(std::string text) {
   write();
 }
 
+void LiveClient::send_newest(std::string text) {
+  if (!is_open_ || is_closing_) return;
+  newest_text_ = std::move(text);
+  write();
+}
+
 void LiveClient::want_state() {
   wants_state_ = true;
   write();
@@ -91,6 +97,9 @@ void LiveClient::write() {
   if (!texts_.empty()) {
     output_ = std::move(texts_.front());
     texts_.pop_front();
+    is_text = true;
+  } else if (!newest_text_.empty()) {
+    output_ = std::exchange(newest_text_, {});
     is_text = true;
   } else if (is_closing_) {
     return begin_close();
@@ -123,6 +132,7 @@ void LiveClient::close(std::uint16_t code, std::string reason) {
   close_reason_ = websocket::close_reason(websocket::close_code(code), reason);
   is_closing_ = true;
   wants_state_ = wants_ticks_ = false;
+  newest_text_.clear();
   closed_at_ = std::chrono::steady_clock::now();
   if (!is_open_) return drop();
   write();

@@ -36,8 +36,8 @@ class LiveHost {
 };
 
 // Reads messages one after the other and sends one at a time. Texts are sent in order and before
-// the binary messages. A binary message is encoded when its turn comes, so that the newest one
-// follows a message that took long.
+// the binary messages, of which, as of the status, only the newest waits. A binary message is
+// encoded when its turn comes, so that the newest one follows a message that took long.
 //
 // All functions are called on the network thread. The object lives as long as an operation runs.
 class LiveClient : public std::enable_shared_from_this<LiveClient> {
@@ -51,6 +51,8 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
 
   // Sends a JSON message. A client that does not read its texts is closed.
   void send(std::string text);
+  // Sends a JSON message after the texts that wait. A newer one replaces one that waits.
+  void send_newest(std::string text);
   // Sends the newest state and ticks as soon as the last message is sent.
   void want_state();
   void want_ticks();
@@ -86,6 +88,7 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   beast::flat_buffer input_;
   std::string output_;
   std::deque<std::string> texts_;
+  std::string newest_text_;  // empty: none waits
   bool is_open_ = false;
   bool is_writing_ = false;
   bool wants_state_ = false;

@@ -39,18 +39,41 @@ void put_head(std::string& out, std::uint16_t kind) {
   put(out, static_cast<std::uint16_t>(kViewVersion));
 }
 
-// The ticks with the smallest and with the largest force of each group, in the order of time.
+constexpr std::array kChartColumns = {&TickSummary::alpha_rad, &TickSummary::depth_m2,
+                                      &TickSummary::force_N2, &TickSummary::full_force_N2,
+                                      &TickSummary::step_us};
+
+// The smallest and the largest number of each column, at the first and the last time of the group.
+std::array<TickSummary, 2> extremes(std::span<const TickSummary> rows) {
+  std::array<TickSummary, 2> ends = {rows.front(), rows.back()};
+  const bool has_contact =
+      std::any_of(rows.begin(), rows.end(), [](const TickSummary& row) { return row.contact; });
+  for (const auto column : kChartColumns) {
+    // Without contact there is no angle.
+    const bool only_contact = column == &TickSummary::alpha_rad && has_contact;
+    float low = std::numeric_limits<float>::infinity(), high = -low;
+    for (const TickSummary& row : rows) {
+      if (only_contact && !row.contact) continue;
+      low = std::min(low, row.*column);
+      high = std::max(high, row.*column);
+    }
+    ends[0].*column = low;
+    ends[1].*column = high;
+  }
+  for (TickSummary& end : ends) end.contact = has_contact;
+  return ends;
+}
+
 std::vector<TickSummary> thinned(std::span<const TickSummary> rows, std::size_t group) {
   std::vector<TickSummary> kept;
   for (std::size_t begin = 0; begin < rows.size(); begin += group) {
     const auto part = rows.subspan(begin, std::min(group, rows.size() - begin));
-    const auto [low, high] = std::minmax_element(part.begin(), part.end(),
-                                                 [](const TickSummary& a, const TickSummary& b) {
-                                                   return a.full_force_N2 < b.full_force_N2;
-                                                 });
-    const auto [first, second] = std::minmax(low, high);
-    kept.push_back(*first);
-    if (second != first) kept.push_back(*second);
+    if (part.size() == 1) {
+      kept.push_back(part.front());
+    } else {
+      const auto ends = extremes(part);
+      kept.insert(kept.end(), ends.begin(), ends.end());
+    }
   }
   return kept;
 }

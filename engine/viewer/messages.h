@@ -65,8 +65,8 @@ void encode_state(const ViewState& state, std::span<const BodyPose> bodies, doub
                   std::string& out);
 
 // rows: in the order of time. Rows of more than kMostChartTicksPerSecond ticks a second are
-// thinned: each group of `group` ticks gives the tick with the smallest force and the tick with the
-// largest.
+// thinned: each group of `group` ticks gives two rows, one with the smallest number of each column
+// and one with the largest. The angle is that of ticks in contact, if there are any.
 void encode_ticks(std::span<const TickSummary> rows, std::uint32_t lost, std::uint32_t group,
                   std::string& out);
 

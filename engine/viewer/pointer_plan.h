@@ -16,7 +16,7 @@ namespace palpate {
 // target becomes the place where the device is: after a message that does not hold, after
 // let_go(), and if no newer message arrives for kPatience_s of the hand's time. start() moves the
 // target to the start position, in a straight line at kStartSpeed_m_per_s, until a newer message
-// holds.
+// comes; the hand lets go kPatience_s after the target has arrived.
 //
 // Thread-safety: one thread calls point(), let_go() and start(); target() runs on the haptic
 // thread, and the thread of an observer there may call the other functions.
@@ -53,7 +53,7 @@ class PointerPlan final : public HandPlan {
 
   void publish();
   void take_wish(double time_s);
-  void move_to_start(double dt_s, const Vec3& device_m);
+  void move_to_start(double time_s, const Vec3& device_m);
 
   Vec3 start_m_;
   Wish wish_;  // of the thread that calls point()
@@ -65,7 +65,8 @@ class PointerPlan final : public HandPlan {
   Mode mode_ = Mode::kFree;
   double wish_time_s_ = 0.0;
   double last_time_s_ = 0.0;
-  bool begins_ = false;  // the motion to the start has not begun yet
+  bool begins_ = false;   // the motion to the start has not begun yet
+  double moved_s_ = 0.0;  // when the target was last on its way to the start
   Vec3 target_m_ = Vec3::Zero();
 };
 

@@ -307,8 +307,7 @@ void ViewServer::Network::admit(LiveClient& client) {
 
 void ViewServer::Network::answer(LiveClient& client, std::optional<std::uint64_t> id,
                                  const std::optional<std::string>& problem) {
-  if (!id) return;
-  Json json = {{"type", "answer"}, {"id", *id}, {"ok", !problem}};
+  Json json = {{"type", "answer"}, {"id", id ? Json(*id) : Json()}, {"ok", !problem}};
   if (problem) json["problem"] = *problem;
   client.send(line_of(json));
 }
@@ -420,7 +419,7 @@ void ViewServer::Network::check() {
   for (const auto& client : std::vector(clients_)) {
     if (client->has_token) {
       if (event) client->send(event_text(event->kind.c_str(), event->text));
-      client->send(with_control(status, client.get() == in_control_));
+      client->send_newest(with_control(status, client.get() == in_control_));
     }
     client->check(Clock::now());
   }

@@ -189,6 +189,14 @@ std::string ViewSession::hello() {
                     {"high_m", device.workspace_high_m},
                     {"is_simulated", is_simulated()},
                     {"moves_motors", device.moves_motors}};
+  json["units"] = {{"length", "m"}, {"force", "N"}, {"angle", "rad"}, {"time", "s"}};
+  json["options"] = {{"actuators", setup_.actuation.actuators()},
+                     {"scale", facts.scale},
+                     {"max_force_N", setup_.max_force_N ? Json(*setup_.max_force_N) : Json()}};
+  json["materials"] = Json::array();
+  for (const MaterialCalls& material : scene_.material_calls()) {
+    json["materials"].push_back(material.material);
+  }
   json["rate_Hz"] = rate_Hz();
   json["plane_height_m"] =
       setup_.actuation.is_planar() ? Json(setup_.haptics.plane_height_m) : Json();

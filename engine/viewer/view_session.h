@@ -54,7 +54,7 @@ Vec3 resting_place_m(const Scene& scene, const RunSetup& setup);
 
 // Owns the loop, the device or its driver's session, the haptic thread, and what lies between them
 // and the server. The owner's thread calls create(), start(), stop() and the destructor; the
-// network thread calls the functions of ViewModel between start() and stop().
+// network thread may call the functions of ViewModel from create() to the destructor.
 class ViewSession final : public ViewModel {
  public:
   // The caller must have checked setup (check_setup). device: null for the simulated hand. The

@@ -123,7 +123,9 @@ function axesControl(setting: Setting, key: string | null, sensors: number,
     element: box,
     show: (value) => {
       const list = Array.isArray(value) ? value : [];
-      on = new Set(list.map((v) => v.findIndex((x) => Math.abs(x) > 0.5)));
+      const axisOf = (v: number[]): number => v.findIndex((x) => Math.abs(x) > 1 - 1e-9);
+      on = new Set(list.map(axisOf).filter((n) => n >= 0));
+      box.dataset["oblique"] = String(list.some((v) => axisOf(v) < 0)); // no button shows such an axis
       buttons.forEach((button, n) => button.setAttribute("aria-pressed", String(on.has(n))));
     },
     activate: () => { // the next of the 2^sensors sets of axes

@@ -4,6 +4,7 @@ export interface KeyEntry {
   key: string; // as KeyboardEvent.key, letters in lower case
   label: string; // what the help says
   run(): void;
+  repeats?: boolean; // while it is held
 }
 
 const kSpares = "abcdefghijklmnopqrstuvwxyz0123456789";
@@ -42,7 +43,7 @@ export class Keys {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     const entry = this.entries.get(key);
     if (!entry) return false;
-    entry.run();
+    if (!event.repeat || entry.repeats) entry.run(); // a switch would flip to and fro
     return true;
   }
 }

@@ -83,16 +83,25 @@ class Page {
     addEventListener("keydown", (event) => this.keyDown(event));
     // The address of a server that was started again, pasted into this tab.
     addEventListener("hashchange", () => location.reload());
-    addEventListener("pagehide", () => this.hand?.letGo());
+    addEventListener("pagehide", () => this.hand?.release());
     document.addEventListener("visibilitychange", () => {
-      if (document.hidden) this.hand?.letGo();
+      if (document.hidden) this.hand?.release();
     });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
       applyTheme(chosenTheme());
       this.repaint();
     });
+    this.canvas.addEventListener("webglcontextlost", () => this.showDrawing(
+      "The browser has stopped the drawing. Numbers and charts are live; a reload draws again."));
+    this.canvas.addEventListener("webglcontextrestored", () => this.showDrawing(""));
     if (this.view) new ResizeObserver(() => this.view?.resize()).observe(this.canvas);
     setInterval(() => this.status.checkAge(performance.now()), kAgeCheck_ms);
+  }
+
+  // Says why the scene is not drawn; "": it is.
+  private showDrawing(problem: string): void {
+    element("no-webgl").textContent = problem;
+    element("no-webgl").hidden = problem === "";
   }
 
   private actions() {
@@ -107,7 +116,7 @@ class Page {
       },
       rearm: () => void this.tell({ type: "rearm" }),
       takeControl: () => void this.tell({ type: "take_control" }),
-      letGo: () => this.hand?.letGo(),
+      letGo: () => this.hand?.release(),
       camera: () => this.switchCamera(),
       fit: () => this.view?.fit(),
       zoom: (factor: number) => this.view?.zoomBy(factor),
@@ -147,6 +156,7 @@ class Page {
     element("about").textContent = `Palpate ${hello.engine}. ${scene.triangles} triangles` +
       (scene.simplified ? `, of which the view shows ${scene.shown_triangles} after simplification.` : ".");
     this.settings.build(hello.settings, device.sensors);
+    this.status.period_ms = 1000 / hello.rate_Hz;
     this.hand?.letGo();
     this.hand = new Hand(hello, (target, isHeld) => void this.connection?.point(target, isHeld));
     this.canvas.setAttribute("aria-label", this.canvasLabel(hello));
@@ -183,6 +193,10 @@ class Page {
       const glb = await answer.arrayBuffer();
       if (hello !== this.hello) return; // another connection loads its own
       view.load(glb);
+      if (path.endsWith("?full")) {
+        element("about").textContent = `Palpate ${hello?.engine}. All ${hello?.scene.triangles} triangles.`;
+        this.buttons.showSimplified(false);
+      }
       element("scale").textContent = `grid ${length(view.gridStep_m)}`;
     } catch (problem) {
       if (hello !== this.hello) return;
@@ -253,7 +267,7 @@ class Page {
     if (element<HTMLDialogElement>("help").open) return;
     // Fields of numbers take digits, signs, arrows and the letter e; other letters are keys.
     if (target instanceof HTMLInputElement && !/^([a-df-z]|Escape)$/i.test(event.key)) return;
-    if (event.key === " " && target instanceof HTMLButtonElement) return; // presses the button
+    if (event.key === " " && target.matches("button, summary")) return; // presses it
     if (this.pointing?.key(event) || this.keys.press(event)) event.preventDefault();
   }
 

@@ -107,7 +107,7 @@ export class PageButtons {
     button.append(hint);
     button.onclick = run;
     button.setAttribute("aria-keyshortcuts", key === " " ? "Space" : key);
-    this.keys.add({ key, label, run: () => {
+    this.keys.add({ key, label, repeats: key === "+" || key === "-", run: () => {
       if (!button.disabled && !button.hidden) run();
     } });
     if (isControlled) this.controlled.push(button);

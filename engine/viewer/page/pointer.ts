@@ -76,6 +76,12 @@ export class Hand {
     this.send(this.target_m.toArray(), false);
   }
 
+  // Lets go also of what this page does not hold, such as the way to the start position.
+  release(): void {
+    this.held = true;
+    this.letGo();
+  }
+
   private graspQuietly(view: HandView): void {
     if (!this.held) this.target_m.fromArray(view.device_m);
     this.held = true;

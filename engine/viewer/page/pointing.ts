@@ -91,6 +91,7 @@ export class Pointing {
     const view = this.handView();
     const hand = this.activeHand();
     if (!view || !hand) return;
+    this.pressed = hand; // another one after a new connection
     if (hand.isAbsolute(view)) this.press(hand, view, event);
     else hand.moveBy(view, right, up, 0);
   }

@@ -71,7 +71,7 @@ export interface Hello {
     simplified: boolean;
     low_m: Vector3;
     high_m: Vector3;
-    extent_m: number;
+    extent_m: Vector3;
   };
   device: {
     name: string;
@@ -82,6 +82,9 @@ export interface Hello {
     is_simulated: boolean;
     moves_motors: boolean;
   };
+  units: Record<"length" | "force" | "angle" | "time", string>;
+  options: { actuators: number; scale: number; max_force_N: number | null };
+  materials: string[];
   rate_Hz: number;
   plane_height_m: number | null;
   proxy_radius_m: number;

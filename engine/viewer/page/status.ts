@@ -5,7 +5,9 @@ import type { Status, State } from "./protocol.ts";
 import { count, faultsInWords } from "./words.ts";
 
 const kLongestGap_ms = 250; // an older state is not shown as a present one
-const kClockDrift = 0.001; // of the clocks of two machines, s per s; ten times the usual
+// How fast the fastest message is forgotten, s per s: clocks drift, and a machine may stop for a while.
+const kForget = 0.02;
+const kPeriods = 3; // a state of a slow engine may be that old
 
 const kConnectionWords: Record<ConnectionState, { short: string; notice: string }> = {
   connecting: { short: "Connecting", notice: "" },
@@ -43,7 +45,7 @@ export class Journey {
 
   delay_ms(sent_s: number, now_ms: number): number {
     const took_ms = now_ms - 1000 * sent_s;
-    const drift_ms = kClockDrift * (now_ms - this.last_ms);
+    const drift_ms = kForget * (now_ms - this.last_ms);
     this.last_ms = now_ms;
     this.fastest_ms = Math.min(this.fastest_ms + drift_ms, took_ms);
     return took_ms - this.fastest_ms;
@@ -56,6 +58,7 @@ export class StatusPanel {
   private tick = -1;
   private readonly journey = new Journey();
   private missed = 0;
+  period_ms = 1; // of the ticks
 
   showConnection(state: ConnectionState): void {
     this.connection = state;
@@ -106,7 +109,8 @@ export class StatusPanel {
 
   // Marks the state as old if it is.
   checkAge(now_ms: number): void {
-    if (now_ms - this.present_ms > kLongestGap_ms) document.body.classList.add("stale");
+    const gap_ms = Math.max(kLongestGap_ms, kPeriods * this.period_ms);
+    if (now_ms - this.present_ms > gap_ms) document.body.classList.add("stale");
   }
 
   // Shows a notice; "": hides it.

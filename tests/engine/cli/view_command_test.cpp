@@ -34,6 +34,9 @@ TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
         {"view", kViewedStar, "--port", "-1"},
         {"view", kViewedStar, "--a4", "compare"},
         {"view", kViewedStar, "--cpu", "0"},
+        {"view", kViewedStar, "--allow-host", "desk.example:80"},
+        {"view", kViewedStar, "--allow-host", "2001:db8::1"},
+        {"view", kViewedStar, "--allow-host", ""},
         {"view", kViewedStar, "--device", "hapi:port=/no/such/port"}}) {
     const Outcome outcome = run_program(folder, arguments);
     EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
@@ -43,7 +46,7 @@ TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
 }
 
 TEST(ViewCommand, SaysWhatToRunWithoutThePage) {
-  if (embedded_page()) return;  // ServesUntilCtrlC then
+  if (embedded_page()) GTEST_SKIP() << "the program has the page; see ServesUntilCtrlC";
   const TemporaryFolder folder;
   const Outcome outcome = run_program(folder, {"view", kViewedStar});
   EXPECT_EQ(outcome.exit_code, 2);
@@ -80,7 +83,7 @@ class Serving {
 };
 
 TEST(ViewCommand, ServesUntilCtrlC) {
-  if (!embedded_page()) return;  // SaysWhatToRunWithoutThePage then
+  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
   const TemporaryFolder folder;
   Serving serving(folder, {});
   ASSERT_GT(serving.port, 0);
@@ -103,8 +106,33 @@ TEST(ViewCommand, ServesUntilCtrlC) {
   EXPECT_EQ(page.read_to_close(), 1001);
 }
 
+TEST(ViewCommand, PrintsTheLicencesOfThePage) {
+  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  const TemporaryFolder folder;
+  const Outcome outcome = run_program(folder, {"view", "--licences"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* part : {"three", "uPlot", "Copyright", "MIT"}) {
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part;
+  }
+}
+
+TEST(ViewCommand, RecordsTheSession) {
+  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  const TemporaryFolder folder;
+  Serving serving(folder, {"--record", "live.palpate"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const Outcome outcome = serving.end_with(SIGINT);
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_NE(outcome.out.find("recording in live.palpate: "), std::string::npos) << outcome.out;
+  const Outcome proved = run_program(folder, {"replay", "live.palpate"});
+  EXPECT_EQ(proved.exit_code, 0) << proved.err << proved.out;
+  const Outcome again = run_program(folder, {"view", kViewedStar, "--record", "live.palpate"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_NE(again.err.find("live.palpate: exists"), std::string::npos) << again.err;
+}
+
 TEST(ViewCommand, WarnsOfAnAddressThatOthersReach) {
-  if (!embedded_page()) return;
+  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
   const TemporaryFolder folder;
   Serving serving(folder, {"--listen", "0.0.0.0"});
   const Outcome outcome = serving.end_with(SIGTERM);

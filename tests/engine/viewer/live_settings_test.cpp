@@ -282,8 +282,46 @@ TEST(PageSettings, MaterialReachesTheHapticThread) {
     if (candidate.find("/dynamicFriction") != std::string::npos) name = candidate;
   }
   ASSERT_FALSE(name.empty());
+  HapticLoop loop(scene.world(), *ActuationModel::from_counts(2, 1), HapticSettings());
+  const auto use = [&] { tuner.before_tick(0.0, LoopChanges(loop)); };
+  EXPECT_FALSE(tuner.is_pending());
   ASSERT_FALSE(page.set(name, 0.125));
   EXPECT_EQ(page.values()[name], 0.125);
+  EXPECT_TRUE(tuner.is_pending());
+  use();
+  EXPECT_FALSE(tuner.is_pending());
+}
+
+// What a page is told is what the loop runs with.
+TEST(PageSettings, ShowTheValuesOfTheLoop) {
+  Rig rig(planar_settings());
+  MaterialTuner tuner(star());
+  PageSettings page(star(), rig.live, tuner, true, true);
+  StatePublisher publisher(rig.loop, nullptr, 0);
+  rig.run(1);
+  publisher.on_tick(rig.records.all.back());
+  rig.live.set_a4(false);
+  rig.live.set_force(ForceMode::kNone);
+  ASSERT_FALSE(rig.live.set_stiffness(321.0));
+  ASSERT_FALSE(rig.live.set_damping(2.5));
+  ASSERT_FALSE(rig.live.set_axes({Vec3(0, 1, 0)}));
+  EXPECT_TRUE(rig.live.is_pending());
+  LoopValues before, after;
+  ASSERT_TRUE(publisher.loop_values(before));
+  rig.run(1);
+  EXPECT_FALSE(rig.live.is_pending());
+  publisher.on_tick(rig.records.all.back());
+  ASSERT_TRUE(publisher.loop_values(after));
+  EXPECT_EQ(page.values(before)["a4"], true);
+  EXPECT_EQ(page.values(before)["force"], "actuated");
+  EXPECT_EQ(before.axes[0], (std::array<double, 3>{1, 0, 0}));
+  const auto values = page.values(after);
+  EXPECT_EQ(values["a4"], false);
+  EXPECT_EQ(values["force"], "none");
+  EXPECT_EQ(values["stiffness"], 321.0);
+  EXPECT_EQ(values["damping"], 2.5);
+  EXPECT_EQ(after.axis_count, 1u);
+  EXPECT_EQ(after.axes[0], (std::array<double, 3>{0, 1, 0}));
 }
 
 }  // namespace

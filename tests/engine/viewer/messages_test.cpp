@@ -160,7 +160,7 @@ TEST(ViewMessages, TicksHaveTheDocumentedColumns) {
   EXPECT_EQ(column(6, 1), 0.0);
 }
 
-TEST(ViewMessages, ThinnedTicksKeepTheSmallestAndTheLargestForceOfEachGroup) {
+TEST(ViewMessages, ThinnedTicksKeepTheExtremesOfEachColumnOfEachGroup) {
   EXPECT_EQ(thinning_group(1000.0), 1u);
   EXPECT_EQ(thinning_group(2000.0), 1u);
   EXPECT_EQ(thinning_group(4000.0), 4u);  // two of four
@@ -169,14 +169,30 @@ TEST(ViewMessages, ThinnedTicksKeepTheSmallestAndTheLargestForceOfEachGroup) {
   for (const double force_N : {5.0, 1.0, 9.0, 2.0, 4.0, 4.0, 4.0, 4.0, 3.0}) {
     rows.push_back(row(static_cast<double>(rows.size()), force_N, true));
   }
+  rows[1].step_us = 700.0f;  // the tick with the smallest force
+  rows[3].alpha_rad = 0.0f;  // the smallest angle
+  rows[2].alpha_rad = 9.0f;  // no angle: without contact
+  rows[2].contact = 0;
   std::string bytes;
   encode_ticks(rows, 0, 4, bytes);
   const auto count = static_cast<std::size_t>(whole(bytes, 4, 4));
-  std::vector<double> times;
-  for (std::size_t i = 0; i < count; ++i) times.push_back(real32(bytes, 24 + 4 * i));
-  // The second group is constant, and the third has one tick.
-  EXPECT_EQ(times, (std::vector<double>{0, 1, 3, 6, 7})) << "base: the first kept tick";
-  EXPECT_EQ(real64(bytes, 8), 1.0);
+  ASSERT_EQ(count, 5u) << "the last group has one tick";
+  const auto column = [&](std::size_t c) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < count; ++i) {
+      values.push_back(real32(bytes, 24 + 4 * (count * c + i)));
+    }
+    return values;
+  };
+  EXPECT_EQ(column(0), (std::vector<double>{0, 3, 4, 7, 8}));
+  EXPECT_EQ(column(1)[0], 0.0);
+  EXPECT_NEAR(column(1)[1], 30.0, 30 * 0x1p-22);
+  EXPECT_NEAR(column(3)[0], 1.0, 0x1p-22);
+  EXPECT_NEAR(column(3)[1], 9.0, 9 * 0x1p-22);
+  EXPECT_NEAR(column(4)[1], 18.0, 18 * 0x1p-22);
+  EXPECT_EQ(column(5)[0], 2.5);
+  EXPECT_EQ(column(5)[1], 700.0);
+  EXPECT_EQ(column(6), (std::vector<double>{1, 1, 1, 1, 1}));
 }
 
 TEST(ViewMessages, NoTicksAreAMessageToo) {

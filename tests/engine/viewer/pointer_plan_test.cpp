@@ -114,6 +114,10 @@ TEST(PointerPlan, ReturnsToItsStartInAStraightLine) {
   EXPECT_TRUE(plan.has_target());
   EXPECT_FALSE(plan.is_held());
   EXPECT_EQ(hand.tick(kDevice), start);
+  int stays = 1;
+  for (; plan.has_target() && stays < 10000; ++stays) hand.tick(kDevice);
+  EXPECT_NEAR(stays * kTickTime_s, PointerPlan::kPatience_s, 4 * kTickTime_s);
+  EXPECT_EQ(hand.tick(kDevice), kDevice) << "it lets go";
   plan.point(at(1, kPointer));
   EXPECT_EQ(hand.tick(kDevice), kPointer);
 }

@@ -508,6 +508,23 @@ TEST(ViewAttack, UnreadAnswersCloseTheClient) {
   expect_served(served);
 }
 
+// A client that was closed keeps no place and no control, although it goes on sending.
+TEST(ViewAttack, ClosedClientThatDoesNotReadIsDropped) {
+  ServedModel served;
+  Page bad(served);
+  EXPECT_TRUE(bad.is_in_control());
+  Page next(served);
+  bad.send_binary("no message");
+  const std::string ping = WebSocketClient::frame(1, R"({"type":"rearm","id":1})");
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (bad.raw.send(ping) && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now(), end);
+  EXPECT_NE(next.read_text_with("\"clients\":1").find("\"status\""), std::string::npos);
+  EXPECT_TRUE(served.model.requests().empty());
+}
+
 TEST(ViewAttack, DeepJsonIsRefused) {
   ServedModel served;
   for (const std::size_t depth : {std::size_t{9}, std::size_t{30000}}) {

@@ -36,7 +36,7 @@ export function openBrowser(hasWebgl = true) {
   });
 }
 
-// Opens an address of the page. `complaints` of the result collects errors of the console, reports of
+// Opens an address of the page. options.script runs in it before its own scripts. `complaints` of the result collects errors of the console, reports of
 // the content security policy and requests that leave loopback.
 export async function openPage(browser, address, options = {}) {
   const context = await browser.newContext({
@@ -56,6 +56,7 @@ export async function openPage(browser, address, options = {}) {
   });
   await page.addInitScript(() => addEventListener("securitypolicyviolation", (event) =>
     console.error(`policy: ${event.violatedDirective} ${event.blockedURI}`)));
+  if (options.script) await page.addInitScript(options.script);
   page.complaints = complaints;
   page.pending = new Set(); // requests without an answer
   page.on("request", (request) => page.pending.add(request.url()));
@@ -77,7 +78,13 @@ async function explained(page, step) {
   try {
     return await step;
   } catch (error) {
-    error.message += `\npending: ${[...page.pending].join(" ")}\n${page.complaints.join("\n")}`;
+    const words = ["connection", "connection-notice", "said", "no-webgl", "watch-notice"];
+    const said = await Promise.race([
+      page.evaluate((ids) => ids.map((id) => document.getElementById(id)?.textContent), words),
+      new Promise((resolve) => setTimeout(() => resolve(["the page does not answer"]), 10_000)),
+    ]).catch((problem) => [String(problem)]);
+    error.message += `\npending: ${[...page.pending].join(" ")}\n${page.complaints.join("\n")}` +
+      `\nthe page says: ${said.join(" | ")}`;
     throw error;
   }
 }

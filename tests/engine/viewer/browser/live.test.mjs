@@ -2,6 +2,7 @@
 // numbers and values of the engine, never for a time.
 
 import assert from "node:assert/strict";
+import { createServer } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
@@ -317,6 +318,65 @@ test("after a restart of the server the page asks for the new address", async ()
   await page.context().close();
   await line.close();
   await second.stop();
+});
+
+test("the new address works in the tab of the old one", async () => {
+  const first = await view(kStar);
+  const page = await openPage(browser, first.address);
+  await untilDrawn(page);
+  await first.stop();
+  const second = await view(kStar, "--port", String(first.port)); // only the part after # differs
+  await page.evaluate((address) => { location.href = address; }, second.address);
+  await until(page, (engine) => window.palpate?.isLive() && location.hash === "");
+  await untilDrawn(page);
+  assertClean(page, kClosed);
+  await page.context().close();
+  await second.stop();
+});
+
+test("a token that comes late is sent again", async () => {
+  await withServer([kStar], async (server) => {
+    const page = await openPage(browser, server.address, { script: () => {
+      const { send } = WebSocket.prototype;
+      window.late = 0;
+      WebSocket.prototype.send = function (data) { // the first one, by more than the 2 s of the server
+        if (window.late++ === 0) setTimeout(() => send.call(this, data), 3000);
+        else send.call(this, data);
+      };
+    } });
+    await untilDrawn(page);
+    assert.ok(await page.evaluate(() => window.late) > 1);
+    assertClean(page, /already in CLOSING or CLOSED state/);
+    await page.context().close();
+  });
+});
+
+test("another server of this host cannot frame the page and is told no secret", async () => {
+  await withServer([kStar], async (server) => {
+    const heard = [];
+    const other = createServer((request, response) => {
+      heard.push(JSON.stringify([request.url, request.headers]));
+      response.setHeader("Content-Type", "text/html");
+      response.end(`<!doctype html><title>other</title><iframe src="${server.address}"></iframe>`);
+    });
+    await new Promise((resolve) => other.listen(0, "127.0.0.1", resolve));
+    const page = await openPage(browser, server.address);
+    await untilDrawn(page);
+    const token = await page.evaluate(() => sessionStorage.getItem("palpate-token"));
+    assert.match(token, /^[0-9a-f]{32}$/);
+    assert.equal(await page.evaluate(() => document.cookie), "");
+    await page.goto(`http://127.0.0.1:${other.address().port}/`);
+    await page.waitForFunction(() => document.querySelector("iframe"));
+    await until(page, () => performance.getEntriesByType("resource").length > 0);
+    const [, frame] = page.frames();
+    assert.ok(await frame.evaluate(() => !window.palpate), "the page runs in a foreign frame");
+    assert.ok(page.complaints.some((text) => /frame-ancestors|refused to connect|Refused to frame/i.test(text)),
+              page.complaints.join("\n"));
+    assert.ok(heard.length > 0 && heard.every((text) => !text.includes(token) && !/cookie/i.test(text) &&
+                                                        !text.includes(`:${server.port}`)), heard.join("\n"));
+    await page.context().close();
+    await new Promise((resolve) => other.close(resolve));
+  });
 });
 
 test("a page that was opened without the token says what to open", async () => {

@@ -15,6 +15,7 @@ import { pixelsWhere, readPng, writePpm } from "./png.mjs";
 
 const kFarthest_px = 3; // of a mark from where it should be
 const kOutline_px = 2; // of a pixel from the outline of the scene
+const kFewestOfHead = 6; // a dashed line alone has fewer beside it
 const kShift_px = 4;
 const kForceArrow = 0.06; // length of 1 N, as a share of the radius of the scene
 const kWidth = 640;
@@ -148,6 +149,11 @@ for (const { model, sensors, ball, device, force, full } of kContacts) {
           const far = pixelsWhere(picture, isOrange)
             .reduce((best, p) => (away(p) > away(best) ? p : best), [x, y]);
           assertNear(far, at(add(proxy, scaled(full, kForceArrow * radius_m))), "the end of the full force");
+          // The solid arrow ends where the force that the device gives ends: its head is there.
+          const tip = at(add(proxy, scaled(force, kForceArrow * radius_m)));
+          const head = pixelsWhere(picture, isOrange)
+            .filter((p) => Math.hypot(p[0] + 0.5 - tip[0], p[1] + 0.5 - tip[1]) <= 2 * kFarthest_px);
+          assert.ok(head.length >= kFewestOfHead, `${head.length} pixels of a head at ${tip}`);
           if (mode === "camera") assertNear(at(proxy), [kWidth / 2, kHeight / 2], "the middle");
           assertClean(page);
           await page.context().close();

@@ -118,7 +118,7 @@ test("a message that took longer than the fastest one has a delay, whatever the 
   const delays = [5, 3, 303, 300].map((took_ms, n) =>
     journey.delay_ms(zero_s + 0.001 * 20 * n, 20 * n + took_ms));
   assert.ok(delays[0]! < 1 && delays[1]! < 1);
-  assert.ok(Math.abs(delays[2]! - 300) < 1 && Math.abs(delays[3]! - 297) < 1, `${delays}`);
+  assert.ok(delays[2]! > 290 && delays[3]! > 285 && delays[2]! <= 300 && delays[3]! <= 297, `${delays}`);
   journey.begin(); // another connection, perhaps to another machine
   assert.ok(journey.delay_ms(1, 2000) < 1);
   // Clocks that drift apart by a second in an hour are no delay.
