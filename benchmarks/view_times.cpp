@@ -2,7 +2,9 @@
 // that used it, the CPU of the network thread, and the late ticks of the haptic thread with and
 // without clients.
 //
-// usage: view_times SCENE [--seconds=N] [--pointers=N] [--csv=FILE]
+// usage: view_times SCENE [--only=times|ticks] [--seconds=N] [--pointers=N] [--csv=FILE]
+//
+// --only=times: without the late ticks, which take twice --seconds; --only=ticks: these alone.
 //
 // The clients do not draw. One reads everything and moves the hand; three never read, and are
 // replaced every ten seconds, because the server drops such clients a little later. The bare
@@ -51,6 +53,7 @@ struct Options {
   int seconds = 600;
   int pointers = 1000;
   std::string csv;
+  std::string only;  // empty: all
 };
 
 struct Line {
@@ -222,6 +225,7 @@ void measure_ticks(const Scene& scene, const RunSetup& setup, bool has_clients, 
   const View view(scene, setup);
   std::atomic<bool> ends{false};
   std::vector<std::thread> clients;
+  clients.reserve(2);
   if (has_clients) {
     clients.emplace_back([&, reader = std::shared_ptr(view.client())] {
       watch(*reader, resting_place_m(scene, setup), ends);
@@ -324,6 +328,20 @@ class TickPair {
   Vec3 start_m_;
 };
 
+void measure_times(const Scene& scene, const RunSetup& setup, int pointers,
+                   std::vector<Line>& lines) {
+  const std::vector<double> bare_ms = bare_times_ms(pointers);
+  const std::vector<double> pointer_ms = pointer_times_ms(scene, setup, pointers);
+  for (const double share : {0.5, 0.99}) {
+    const std::string name = share == 0.5 ? "median" : "99 %";
+    lines.push_back({"bare round trip, " + name, at(bare_ms, share), "ms"});
+    lines.push_back({"pointer to state, " + name, at(pointer_ms, share), "ms"});
+  }
+  const auto [plain_ns, more_ns] = TickPair(scene, setup).medians_ns();
+  lines.push_back({"tick without a viewer, median", plain_ns, "ns"});
+  lines.push_back({"tick with a viewer, more", more_ns, "ns"});
+}
+
 int measure(const Options& options) {
   const auto scene = Scene::load(options.scene, {.fit_size_m = 0.2});
   if (!scene) {
@@ -335,19 +353,12 @@ int measure(const Options& options) {
   settings.actuators = 3;
   settings.a4 = true;
   const RunSetup setup = *make_setup(settings);
-  const std::vector<double> bare_ms = bare_times_ms(options.pointers);
-  const std::vector<double> pointer_ms = pointer_times_ms(*scene, setup, options.pointers);
   std::vector<Line> lines;
-  for (const double share : {0.5, 0.99}) {
-    const std::string name = share == 0.5 ? "median" : "99 %";
-    lines.push_back({"bare round trip, " + name, at(bare_ms, share), "ms"});
-    lines.push_back({"pointer to state, " + name, at(pointer_ms, share), "ms"});
+  if (options.only != "ticks") measure_times(*scene, setup, options.pointers, lines);
+  if (options.only != "times") {
+    measure_ticks(*scene, setup, false, options.seconds, lines);
+    measure_ticks(*scene, setup, true, options.seconds, lines);
   }
-  const auto [plain_ns, more_ns] = TickPair(*scene, setup).medians_ns();
-  lines.push_back({"tick without a viewer, median", plain_ns, "ns"});
-  lines.push_back({"tick with a viewer, more", more_ns, "ns"});
-  measure_ticks(*scene, setup, false, options.seconds, lines);
-  measure_ticks(*scene, setup, true, options.seconds, lines);
   std::ofstream csv(options.csv);
   csv << "quantity,value,unit\n";
   for (const Line& line : lines) {
@@ -368,7 +379,9 @@ bool parse(int count, char** arguments, Options& options) {
     const std::string name = word.substr(0, equals);
     const std::string value = equals == std::string::npos ? "" : word.substr(equals + 1);
     const int number = std::atoi(value.c_str());
-    if (name == "--csv" && !value.empty()) {
+    if (name == "--only" && (value == "times" || value == "ticks")) {
+      options.only = value;
+    } else if (name == "--csv" && !value.empty()) {
       options.csv = value;
     } else if (name == "--seconds" && number > 0) {
       options.seconds = number;
@@ -389,7 +402,9 @@ bool parse(int count, char** arguments, Options& options) {
 int main(int count, char** arguments) {
   palpate::Options options;
   if (!palpate::parse(count, arguments, options)) {
-    std::fprintf(stderr, "usage: view_times SCENE [--seconds=N] [--pointers=N] [--csv=FILE]\n");
+    std::fprintf(stderr,
+                 "usage: view_times SCENE [--only=times|ticks] [--seconds=N] [--pointers=N] "
+                 "[--csv=FILE]\n");
     return 2;
   }
   try {

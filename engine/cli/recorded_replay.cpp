@@ -40,6 +40,7 @@ ReplayChange change_of(const RecordedReplayRequest& request) {
   ReplayChange change;
   change.ignores_a4 = request.a4.has_value();
   change.ignores_force = request.force.has_value();
+  change.has_all_motors = request.force == ForceMode::kFull;
   change.ignores_coupling = request.stiffness_N_per_m || request.damping_Ns_per_m;
   change.ignores_effects = !request.materials.empty();
   return change;
@@ -156,7 +157,8 @@ int report_what_if(const RecordedReplayRequest& request, const RecordedSession& 
   } else {
     std::cout << version_line(session) << what_if_text(outcome);
   }
-  return finish_output();
+  const int code = finish_output();
+  return code == 0 && outcome.stopped ? kDiffers : code;
 }
 
 }  // namespace

@@ -1,9 +1,13 @@
 // The subcommand `recording`: describes, checks, repairs and exports recordings.
 
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -20,7 +24,8 @@ namespace palpate {
 namespace {
 
 constexpr int kNotWhole = 1;
-constexpr std::size_t kShownEvents = 20;
+constexpr std::size_t kShownEvents = 20;          // as text
+constexpr std::size_t kMostShownEvents = 10'000;  // as JSON
 constexpr std::size_t kShownText = 100;
 
 std::string meta_text(const MetaValue& value) {
@@ -57,7 +62,7 @@ Result<RecordingDescription> describe_recording(const RecordingReader& reader) {
   auto ending = reader.ending();
   if (!ending) return ending.error();
   d.ending = std::move(*ending);
-  auto events = reader.events(kShownEvents);
+  auto events = reader.events(kMostShownEvents);
   if (!events) return events.error();
   d.events = std::move(*events);
   const auto last = reader.last_block();
@@ -83,8 +88,14 @@ std::string info_text(const RecordingReader& reader, const RecordingDescription&
   for (const auto& [key, value] : d.meta) {
     text << "  " << printable(key.substr(0, kShownText)) << ": " << meta_text(value) << "\n";
   }
-  for (const EventRow& e : d.events) {
+  for (std::size_t i = 0; i < std::min(d.events.size(), kShownEvents); ++i) {
+    const EventRow& e = d.events[i];
     text << "  tick " << e.tick << ", " << e.time_s << " s: " << e.kind << " " << e.detail << "\n";
+  }
+  if (d.events.size() > kShownEvents) {
+    text << "  " << d.events.size() - kShownEvents
+         << (d.events.size() == kMostShownEvents ? " or more" : "")
+         << " further events; --json lists them\n";
   }
   return text.str();
 }
@@ -135,6 +146,15 @@ nlohmann::ordered_json check_json(const std::string& path, const RecordingCheck&
     json["gaps"].push_back({{"first", gap.first}, {"count", gap.count}});
   }
   return json;
+}
+
+// What is wrong with the settings; no value if they can be replayed.
+std::optional<std::string> settings_problem(const RecordingReader& reader) {
+  const auto meta = reader.meta();
+  if (!meta) return "settings: " + meta.error().problem;
+  const auto session = session_of(*meta);
+  if (session) return std::nullopt;
+  return "settings: " + session.error().element + " " + session.error().problem;
 }
 
 class RecordingCommand final : public Command {
@@ -217,11 +237,16 @@ int RecordingCommand::check() {
     if (!reader) return refuse(reader.error());
     const auto checked = check_recording(*reader);
     if (!checked) return refuse(checked.error());
-    is_whole = is_whole && checked->is_whole();
+    RecordingCheck all_checked = *checked;
+    if (const auto problem = settings_problem(*reader)) {
+      ++all_checked.problem_count;
+      all_checked.problems.push_back(*problem);
+    }
+    is_whole = is_whole && all_checked.is_whole();
     if (json_) {
-      all.push_back(check_json(file, *checked));
+      all.push_back(check_json(file, all_checked));
     } else {
-      std::cout << check_text(file, *checked);
+      std::cout << check_text(file, all_checked);
     }
   }
   if (json_) print(all);
@@ -237,6 +262,11 @@ int RecordingCommand::copy(bool repairs) {
   }
   const auto reader = RecordingReader::open(files_.front());
   if (!reader) return refuse(reader.error());
+  std::error_code ignored;
+  if (std::filesystem::equivalent(files_.front(), repairs ? out_ : csv_, ignored)) {
+    return refuse(invalid_argument(repairs ? "--out" : "--csv",
+                                   "is the recording itself; expected another file"));
+  }
   const auto checked = repairs ? repair_recording(*reader, out_) : export_recording(*reader, csv_);
   if (!checked) return refuse(checked.error());
   if (json_) {

@@ -266,6 +266,21 @@ class Candidates {
   std::vector<Changes> changes_;
 };
 
+// The recording exists now, so that the same command with it would be refused.
+std::vector<std::string> without_record(std::vector<std::string> arguments) {
+  constexpr std::string_view kRecord = "--record";
+  for (auto word = arguments.begin(); word != arguments.end();) {
+    if (*word == kRecord && word + 1 != arguments.end()) {
+      word = arguments.erase(word, word + 2);
+    } else if (word->starts_with("--record=")) {
+      word = arguments.erase(word);
+    } else {
+      ++word;
+    }
+  }
+  return arguments;
+}
+
 }  // namespace
 
 std::optional<RunAdvice> advise_run(const RunRequest& command, const PreparedRun& prepared,
@@ -288,8 +303,8 @@ std::optional<RunAdvice> advise_run(const RunRequest& command, const PreparedRun
     const bool ends_comparable = are_comparable(*tried);
     const double to_beat = best ? best->least_way_share : least_path_share(runs) + kFarther;
     if (!ends_comparable && least <= to_beat) continue;
-    best = RunAdvice{shell_line(with_options(command.arguments, candidates[i])), ends_comparable,
-                     least};
+    best = RunAdvice{shell_line(with_options(without_record(command.arguments), candidates[i])),
+                     ends_comparable, least};
     if (ends_comparable) break;
   }
   return best;

@@ -120,6 +120,11 @@ std::optional<Error> check_recordings(const RunRequest& command) {
   for (const bool a4 : {false, true}) {
     if (!command.record.empty() && command.wants(a4)) names.push_back(recording_name(command, a4));
   }
+  for (const std::string& name : names) {
+    if (const auto error = check_recording_place(name, command.out_dir, run_file_names())) {
+      return error;
+    }
+  }
   return check_recording_names(names);
 }
 
@@ -142,7 +147,12 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
     setup.haptics.a4.enabled = a4;
     auto recorder = make_recorder(recording_name(command, a4), command.scene, prepared.scene, setup,
                                   exploration.virtual_time);
-    if (!recorder) return recorder.error();
+    // The disk may be full since the first run: that ends recordings, and not runs.
+    if (!recorder && runs.empty()) return recorder.error();
+    if (!recorder) {
+      recordings.push_back({recording_name(command, a4), 0, 0, 0, recorder.error()});
+      recorder = std::unique_ptr<Recorder>();
+    }
     exploration.sink = recorder->get();
     ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
     Result<ExplorationRun> run = explore(

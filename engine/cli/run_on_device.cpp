@@ -218,6 +218,9 @@ void describe_device(const DeviceDescription& device, const IsGiven& is_given,
 
 int run_on_device(RunRequest request, const IsGiven& is_given) {
   if (const auto error = check_recording_names({request.record})) return refuse(*error);
+  if (const auto error = check_recording_place(request.record, request.out_dir, run_file_names())) {
+    return refuse(*error);
+  }
   Result<HapiSettings> hapi = parse_device("--device", request.device.text);
   if (!hapi) return refuse(hapi.error());
   hapi->works_without_guard = request.device.no_guard;

@@ -42,6 +42,23 @@ std::optional<Error> check_recording_names(const std::vector<std::string>& files
   return std::nullopt;
 }
 
+std::optional<Error> check_recording_place(const std::string& file, const std::string& out_dir,
+                                           const std::vector<std::string>& names) {
+  namespace fs = std::filesystem;
+  if (file.empty()) return std::nullopt;
+  std::error_code failed;
+  const fs::path place = fs::weakly_canonical(fs::absolute(file, failed), failed);
+  for (const std::string& name : names) {
+    if (fs::weakly_canonical(fs::absolute(fs::path(out_dir) / name, failed), failed) != place) {
+      continue;
+    }
+    return invalid_argument("--record", "is \"" + file +
+                                            "\", which the run itself writes; expected "
+                                            "another file");
+  }
+  return std::nullopt;
+}
+
 Result<std::unique_ptr<Recorder>> make_recorder(const std::string& file,
                                                 const SceneOptions& options, const Scene& scene,
                                                 const RunSetup& setup, bool virtual_time) {

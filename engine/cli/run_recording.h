@@ -28,6 +28,10 @@ std::string recording_name_of(const std::string& file, bool a4);
 // An error if one of the files exists.
 std::optional<Error> check_recording_names(const std::vector<std::string>& files);
 
+// An error if the recording would be one of the files that the command itself writes.
+std::optional<Error> check_recording_place(const std::string& file, const std::string& out_dir,
+                                           const std::vector<std::string>& names);
+
 // A recorder for a session with this scene and setup. Null if file is empty.
 Result<std::unique_ptr<Recorder>> make_recorder(const std::string& file,
                                                 const SceneOptions& options, const Scene& scene,

@@ -13,7 +13,7 @@ namespace {
 // Higher levels shorten a block by a few per cent and take many times as long.
 constexpr int kLevel = 3;
 // A frame is at most kMostBlockInputBytes long, so that no window needs to be longer.
-constexpr int kMostWindowLog = 24;
+constexpr int kMostWindowLog = 22;
 static_assert(std::size_t{1} << kMostWindowLog == kMostBlockInputBytes);
 
 // Columns lie one after the other. In a column, the first bytes of all numbers come first, then

@@ -15,8 +15,9 @@
 namespace palpate {
 
 inline constexpr std::size_t kMostBlockTicks = 1024;
-// Of all inputs of one block, as bytes before compression: the ring of a recorder holds no more.
-inline constexpr std::size_t kMostBlockInputBytes = std::size_t{16} << 20;
+// Of all inputs of one block, as bytes before compression; a recorder closes a block before. The
+// smallest inputs take three times as much memory once they are unpacked.
+inline constexpr std::size_t kMostBlockInputBytes = std::size_t{4} << 20;
 
 // Before the bytes of each input in the frame.
 struct InputHeader {

@@ -1,6 +1,9 @@
 #include "engine/recording/read_only_files.h"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
@@ -17,6 +20,7 @@ constexpr const char* kName = "palpate-read-only";
 struct OpenFile {
   sqlite3_file base;  // SQLite's part, first
   int descriptor;
+  bool is_database;
 };
 
 OpenFile& of(sqlite3_file* file) {
@@ -44,10 +48,29 @@ int read_file(sqlite3_file* file, void* to, int amount, sqlite3_int64 from) {
   return SQLITE_IOERR_SHORT_READ;
 }
 
+std::uint32_t big_endian(const unsigned char* bytes, int count) {
+  std::uint32_t number = 0;
+  for (int i = 0; i < count; ++i) number = number << 8 | bytes[i];
+  return number;
+}
+
+// The length that the header of a database states; 0 if there is none.
+sqlite3_int64 stated_size(int descriptor) {
+  constexpr std::size_t kPageSizeAt = 16, kPagesAt = 28;
+  std::array<unsigned char, 100> header{};
+  const ssize_t got = ::pread(descriptor, header.data(), header.size(), 0);
+  if (got != static_cast<ssize_t>(header.size())) return 0;
+  const std::uint32_t page = big_endian(&header[kPageSizeAt], 2);
+  return sqlite3_int64{page == 1 ? 65536 : page} * big_endian(&header[kPagesAt], 4);
+}
+
+// A database that was cut has its stated length: SQLite would refuse all of it otherwise. The pages
+// that are gone are read as zeros, which are no page of a table.
 int file_size(sqlite3_file* file, sqlite3_int64* size) {
   struct stat status {};
   if (::fstat(of(file).descriptor, &status) != 0) return SQLITE_IOERR_FSTAT;
   *size = status.st_size;
+  if (of(file).is_database) *size = std::max(*size, stated_size(of(file).descriptor));
   return SQLITE_OK;
 }
 
@@ -93,6 +116,7 @@ int open_file(sqlite3_vfs*, const char* name, sqlite3_file* file, int flags, int
   }
   if (descriptor < 0) return SQLITE_CANTOPEN;
   of(file).descriptor = descriptor;
+  of(file).is_database = (flags & SQLITE_OPEN_MAIN_DB) != 0;
   file->pMethods = &kMethods;
   if (flags_out) *flags_out = (flags & ~SQLITE_OPEN_READWRITE) | SQLITE_OPEN_READONLY;
   return SQLITE_OK;

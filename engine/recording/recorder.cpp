@@ -59,6 +59,7 @@ struct Recorder::State {
   std::vector<std::byte> inputs;   // of these rows
   EventLog log;
   std::uint64_t written = 0;    // ticks in full blocks
+  std::uint64_t committed = 0;  // of these
   std::uint64_t next_tick = 0;  // after the last tick taken
   std::optional<Error> error;
 
@@ -212,8 +213,11 @@ bool Recorder::wait_for_space() const noexcept {
 
 void Recorder::on_input(const TickInput& input) noexcept {
   if (is_tick_lost_ || has_failed()) return;
-  while (!state_->ring.add_input(input)) {
-    if (wait_for_space() && state_->ring.ticks() > 0) continue;
+  for (;;) {
+    // In a ring without a tick there is no space to wait for.
+    const bool may_get_space = state_->ring.ticks() > 0;
+    if (state_->ring.add_input(input)) return;
+    if (may_get_space && wait_for_space()) continue;
     is_tick_lost_ = true;
     return;
   }
@@ -291,6 +295,7 @@ void Recorder::write() {
     state.write_rest(is_virtual && !must_end);
     if (!state.error) state.write_events(must_end);
     if (!state.error) state.fail(state.file.commit());
+    if (!state.error) state.committed = state.written;
     if (state.lacks_start.load(std::memory_order_acquire)) state.fail(out_of_memory());
     if (state.error) return;
   }
@@ -306,7 +311,7 @@ RecordingResult Recorder::finish(const std::string& why) {
   thread_.join();
   RecordingResult result;
   result.path = state.path;
-  result.ticks = state.written;
+  result.ticks = state.committed;
   result.dropped = dropped();
   if (!state.error) {
     state.fail(state.file.finish(static_cast<std::int64_t>(result.ticks),

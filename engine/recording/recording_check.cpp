@@ -48,7 +48,16 @@ Result<RecordingCheck> walk_blocks(const RecordingReader& reader, const Visit& v
     return check;
   }
   check.ending = std::move(*ending);
-  if (!check.ending) return check;
+  if (!check.ending) {
+    if (reader.lacks_log()) {
+      add_problem({ErrorCode::kInvalidContent, "", "log",
+                   "is missing: its process died, and the newest ticks are in " + reader.path() +
+                       "-wal; copy that file beside this one",
+                   ""},
+                  check);
+    }
+    return check;
+  }
   // Ticks are missing at the end if the ending counts more than there are.
   const std::int64_t written = check.ending->ticks, dropped = check.ending->dropped;
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
@@ -57,6 +66,13 @@ Result<RecordingCheck> walk_blocks(const RecordingReader& reader, const Visit& v
                 check);
   } else {
     add_gap(walk.next_tick(), written + dropped - walk.next_tick(), check);
+    if (walk.next_tick() > written + dropped) {
+      add_problem({ErrorCode::kInvalidContent, "", "ending",
+                   "counts " + std::to_string(written + dropped) + " ticks; there are " +
+                       std::to_string(walk.next_tick()),
+                   ""},
+                  check);
+    }
   }
   return check;
 }

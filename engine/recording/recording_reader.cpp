@@ -4,8 +4,10 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <filesystem>
 #include <string_view>
 #include <sys/stat.h>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 #include <zstd.h>
@@ -21,6 +23,8 @@ namespace {
 
 constexpr std::string_view kMagic("SQLite format 3", 16);  // with the zero behind it
 constexpr std::size_t kHeaderBytes = 100;
+constexpr std::size_t kJournalAt = 18;  // the file format write version
+constexpr unsigned char kHasLog = 2;    // write-ahead log
 constexpr std::size_t kVersionAt = 60;
 constexpr std::size_t kApplicationAt = 68;
 
@@ -83,6 +87,26 @@ std::uint64_t size_of(const std::string& path) {
   return ::stat(path.c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
 }
 
+// The log lies beside the file itself, not beside a link to it.
+std::string resolved(const std::string& path) {
+  std::error_code failed;
+  const auto file = std::filesystem::canonical(path, failed);
+  return failed ? path : file.string();
+}
+
+// is_plain: SQLite ignores logs and journals.
+std::string uri_of(const std::string& path, bool is_plain) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string uri = "file:";
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    uri += '%';
+    uri += kDigits[byte >> 4];
+    uri += kDigits[byte & 15];
+  }
+  return uri + (is_plain ? "?immutable=1" : "");
+}
+
 std::string text_at(sqlite3_stmt* statement, int column) {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
   const int bytes = sqlite3_column_bytes(statement, column);
@@ -109,6 +133,7 @@ struct RecordingReader::State {
   std::string path;
   std::uint64_t bytes = 0;
   bool has_log = false;
+  bool lacks_log = false;
   Database database;
   int checks = 0;  // of the running statement
 
@@ -155,13 +180,18 @@ std::optional<Error> RecordingReader::State::open() {
   if (is_locked(file.get())) {
     return error("is being recorded", "wait until the recording has ended");
   }
-  const std::uint64_t log_bytes = size_of(path + "-wal");
+  // A closed recording is one plain file. SQLite would use any log beside it.
+  const bool may_have_log = header[kJournalAt] == kHasLog;
+  const std::string name = resolved(path);
+  const std::uint64_t log_bytes = may_have_log ? size_of(name + "-wal") : 0;
   has_log = log_bytes > 0;
+  std::error_code ignored;
+  lacks_log = may_have_log && !std::filesystem::exists(name + "-wal", ignored);
   bytes = static_cast<std::uint64_t>(status.st_size) + log_bytes;
   sqlite3* opened = nullptr;
-  const std::string name = path.starts_with('/') ? path : "./" + path;
   const int code = sqlite3_open_v2(
-      name.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE,
+      uri_of(name, !may_have_log).c_str(), &opened,
+      SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE | SQLITE_OPEN_URI,
       read_only_files());
   database.reset(opened);
   if (code != SQLITE_OK) return sqlite_error();
@@ -369,6 +399,10 @@ std::uint64_t RecordingReader::bytes() const {
 }
 bool RecordingReader::has_log() const {
   return state_->has_log;
+}
+
+bool RecordingReader::lacks_log() const {
+  return state_->lacks_log;
 }
 const std::string& RecordingReader::path() const {
   return state_->path;

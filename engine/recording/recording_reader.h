@@ -65,6 +65,9 @@ class RecordingReader {
   // The length of the file and of its log.
   std::uint64_t bytes() const;
   bool has_log() const;
+  // The file expects a log, which is not beside it. A recording without ending has then lost its
+  // newest ticks.
+  bool lacks_log() const;
   const std::string& path() const;
 
  private:

@@ -23,7 +23,16 @@ namespace fs = std::filesystem;
 // A device that senses what the recorded one sensed.
 class RecordedDevice final : public Device {
  public:
-  explicit RecordedDevice(DeviceDescription description) : description_(std::move(description)) {}
+  // has_all_motors: every sensed axis has a motor, whatever was recorded.
+  RecordedDevice(DeviceDescription description, bool has_all_motors)
+      : description_(std::move(description)), has_all_motors_(has_all_motors) {
+    if (!has_all_motors_) return;
+    description_.motor_count = description_.sensed_axes;
+    for (std::size_t i = 0; i < description_.motors.size(); ++i) {
+      description_.motors[i] = {};
+      description_.motors[i].direction_device[i] = 1.0;
+    }
+  }
 
   void set_row(const TickReading& reading, bool asks_for_trip) {
     std::copy_n(reading.sample_m, 3, sample_.position_m.begin());
@@ -34,6 +43,7 @@ class RecordedDevice final : public Device {
     sample_.asks_for_trip = asks_for_trip;
   }
   void set_motors(std::span<const std::byte> bytes) {
+    if (has_all_motors_) return;
     motor_count_ = bytes.size() / sizeof(MotorDescription);
     std::memcpy(motors_.data(), bytes.data(), motor_count_ * sizeof(MotorDescription));
   }
@@ -50,17 +60,53 @@ class RecordedDevice final : public Device {
   DeviceSample sample_;
   std::array<MotorDescription, 3> motors_{};
   std::size_t motor_count_ = 0;
+  bool has_all_motors_;
 };
+
+// The parameters of a call of the effect program.
+struct CallParameters {
+  std::uint16_t effect = 0;
+  std::size_t count = 0;  // of bytes
+  alignas(std::max_align_t) std::array<std::byte, 128> bytes{};
+  std::span<const std::byte> span() const { return std::span(bytes).first(count); }
+};
+
+// The scene's parameters with the numbers of an input. No value: the scene has no such call, or its
+// effect has another number of keys.
+std::optional<CallParameters> parameters_of(const TickInput& input, const ContactWorld& world) {
+  if (!world.effects || input.handle >= world.effects->calls.size()) return std::nullopt;
+  const EffectCall& call = world.effects->calls[input.handle];
+  const EffectType& effect = compiled_effects()[call.effect];
+  CallParameters parameters{call.effect, effect.parameter_bytes, {}};
+  if (input.bytes.size() != effect.keys.size() * sizeof(double)) return std::nullopt;
+  if (parameters.count > parameters.bytes.size()) return std::nullopt;
+  std::copy_n(world.effects->parameters.begin() + call.parameters, parameters.count,
+              parameters.bytes.begin());
+  std::size_t at = 0;
+  for (const ParameterKey& key : effect.keys) {
+    std::memcpy(parameters.bytes.data() + key.offset, input.bytes.data() + at, sizeof(double));
+    at += sizeof(double);
+  }
+  return parameters;
+}
 
 // Makes the recorded changes of a tick.
 class RecordedChanges final : public BeforeTick {
  public:
+  explicit RecordedChanges(const ContactWorld& world) : world_(world) {}
   void set_inputs(std::span<const TickInput> inputs) { inputs_ = inputs; }
   void before_tick(double, LoopChanges changes) noexcept override {
-    for (const TickInput& input : inputs_) changes.make(input);
+    for (const TickInput& input : inputs_) {
+      if (input.kind != InputKind::kEffectParameters) {
+        changes.make(input);
+      } else if (const auto parameters = parameters_of(input, world_)) {
+        changes.set_effect_parameters(input.handle, parameters->effect, parameters->span());
+      }
+    }
   }
 
  private:
+  const ContactWorld& world_;
   std::span<const TickInput> inputs_;
 };
 
@@ -127,35 +173,34 @@ class InputRules {
     return check_settings(world_, settings) ? "a stiffness or damping" : nullptr;
   }
 
-  // Only the numbers of the effect's keys may differ from those of the scene.
   const char* problem_of_parameters(const TickInput& input) const {
     constexpr const char* kWrong = "parameters of an effect";
-    if (!world_.effects || input.handle >= world_.effects->calls.size()) return kWrong;
-    const EffectCall& call = world_.effects->calls[input.handle];
-    const EffectType& effect = compiled_effects()[call.effect];
-    if (input.bytes.size() != effect.parameter_bytes) return kWrong;
-    alignas(double) std::array<std::byte, kMostInputBytes> bytes{};
-    std::copy(input.bytes.begin(), input.bytes.end(), bytes.begin());
-    if (effect.contradiction(bytes.data())) return kWrong;
-    std::array<std::byte, kMostInputBytes> rest = bytes;
+    const auto parameters = parameters_of(input, world_);
+    if (!parameters) return kWrong;
+    const EffectType& effect = compiled_effects()[parameters->effect];
+    if (effect.contradiction(parameters->bytes.data())) return kWrong;
     for (const ParameterKey& key : effect.keys) {
       double number = 0.0;
-      std::memcpy(&number, bytes.data() + key.offset, sizeof number);
+      std::memcpy(&number, parameters->bytes.data() + key.offset, sizeof number);
       const double unit = key.scales_as_length ? scale_ : 1.0;
       if (!(number >= key.least * unit && number <= key.most * unit)) return kWrong;
       if (key.kind == ParameterKey::Kind::kChoice && number != 0.0 && number != 1.0) return kWrong;
-      std::memcpy(rest.data() + key.offset,
-                  &world_.effects->parameters[call.parameters] + key.offset, sizeof number);
     }
-    const bool is_same = std::equal(rest.begin(), rest.begin() + input.bytes.size(),
-                                    world_.effects->parameters.begin() + call.parameters);
-    return is_same ? nullptr : kWrong;
+    return nullptr;
   }
 
   const ContactWorld& world_;
   double scale_;
   HapticSettings settings_;
 };
+
+// Sums and differences of times must not overflow.
+bool has_absurd_time(const RecordedTick& row) {
+  constexpr std::int64_t kMost_ns = std::int64_t{1} << 60;  // 36 years
+  const auto is_absurd = [](std::int64_t ns) { return ns < -kMost_ns || ns > kMost_ns; };
+  return is_absurd(row.reading.due_ns) || is_absurd(row.reading.sample_ns) ||
+         is_absurd(row.record.late_ns);
+}
 
 bool is_ignored(InputKind kind, const ReplayChange& change) {
   switch (kind) {
@@ -178,7 +223,8 @@ class Replayer {
   Replayer(const RecordedSession& recorded, const Scene& scene, const ReplayOptions& options)
       : options_(options),
         rules_(scene, recorded.setup.haptics),
-        device_(recorded.device),
+        device_(recorded.device, options.change && options.change->has_all_motors),
+        changes_(scene.world()),
         loop_(scene.world(), recorded.setup.actuation, recorded.setup.haptics),
         session_(loop_, device_,
                  {.changes = {&changes_},
@@ -232,6 +278,7 @@ class Replayer {
 
   // Null, or what is wrong with an input.
   const char* run_tick(const RecordedTick& row, std::vector<TickInput>& inputs) {
+    if (has_absurd_time(row)) return "a time";
     bool asks_for_trip = false;
     std::size_t kept = 0;
     for (const TickInput input : inputs) {
@@ -246,14 +293,20 @@ class Replayer {
     changes_.set_inputs(std::span<const TickInput>(inputs).first(kept));
     device_.set_row(row.reading, asks_for_trip);
     const std::int64_t late_ns = row.record.late_ns;
-    // Unsigned, because the numbers of a hostile file may overflow.
-    const auto now_ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(row.reading.due_ns) +
-                                                  static_cast<std::uint64_t>(late_ns));
+    const std::int64_t now_ns = row.reading.due_ns + late_ns;
     session_.tick(row.reading.dt_s, late_ns, now_ns);
     if (!options_.change) outcome_.difference = first_difference(row, computed_.row);
     if (outcome_.difference) return nullptr;
     ++outcome_.proved;
     recorded_summary_.add(row.record);
+    const bool is_tripped = (row.record.faults & kRuleTripped) != 0;
+    if (is_tripped && !was_tripped_) {
+      GovernorTrip trip;
+      trip.tick = row.record.tick;
+      trip.time_s = row.record.time_s;
+      recorded_summary_.add(trip);
+    }
+    was_tripped_ = is_tripped;
     computed_.summary.add(computed_.row.record);
     return nullptr;
   }
@@ -290,6 +343,7 @@ class Replayer {
   HapticSession session_;
   ReplayOutcome outcome_;
   SummaryAccumulator recorded_summary_;
+  bool was_tripped_ = false;
 };
 
 std::optional<Error> check_session(const RecordedSession& session, const Scene& scene) {
@@ -324,6 +378,14 @@ Result<ReplayOutcome> replay_recording(const RecordingReader& reader,
   if (auto error = replayer->run(reader)) return in_file(*error);
   ReplayOutcome outcome = replayer->finish();
   outcome.ending = std::move(*ending);
+  // A recording that was closed states how many ticks it has.
+  if (!outcome.stopped && !outcome.difference && outcome.ending) {
+    const auto stated = outcome.ending->ticks;
+    if (stated < 0 || static_cast<std::uint64_t>(stated) != outcome.proved) {
+      outcome.stopped = "the ending states " + std::to_string(stated) +
+                        " ticks; the recording has " + std::to_string(outcome.proved);
+    }
+  }
   return outcome;
 }
 
@@ -334,7 +396,7 @@ Result<Scene> load_recorded_scene(const RecordedSession& session, const std::str
   const auto changed = [](const std::string& file) {
     return Error{ErrorCode::kInvalidContent, file, "",
                  "differs from the file that was recorded; the recording needs the same bytes",
-                 "state where the recorded scene is with `scene`"};
+                 "state where the recorded scene is with --scene"};
   };
   auto scene = Scene::load(path, session.setup.scene);
   if (!scene) return scene;

@@ -30,6 +30,9 @@ struct ReplayChange {
   bool ignores_force = false;
   bool ignores_coupling = false;
   bool ignores_effects = false;
+  // Every sensed axis has a motor, as with a device for ForceMode::kFull; the recorded motors are
+  // ignored.
+  bool has_all_motors = false;
 };
 
 struct ReplayOutcome {

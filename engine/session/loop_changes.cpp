@@ -4,6 +4,8 @@
 #include <cstring>
 #include <optional>
 
+#include "haptics/effects/effect_program.h"
+
 namespace palpate {
 namespace {
 
@@ -58,9 +60,6 @@ bool apply_change(const TickInput& input, HapticLoop& loop) noexcept {
       if (actuation) loop.set_actuation(*actuation);
       return actuation.has_value();
     }
-    case InputKind::kEffectParameters:
-      loop.set_effect_parameters(input.handle, input.bytes);
-      return true;
     case InputKind::kA4:
       loop.set_a4(input.handle != 0);
       return true;
@@ -72,7 +71,8 @@ bool apply_change(const TickInput& input, HapticLoop& loop) noexcept {
       loop.set_coupling(n[0], n[1]);
       return true;
     }
-    // Inputs of the session and of its device.
+    // Inputs that need the scene, and those of the session and of its device.
+    case InputKind::kEffectParameters:
     case InputKind::kMotors:
     case InputKind::kRearm:
     case InputKind::kTrip:
@@ -106,6 +106,21 @@ void LoopChanges::set_actuation(const ActuationModel& actuation) noexcept {
 void LoopChanges::set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept {
   const std::array<double, 2> numbers{stiffness_N_per_m, damping_Ns_per_m};
   make({InputKind::kCoupling, 0, bytes_of(numbers)});
+}
+
+void LoopChanges::set_effect_parameters(std::uint32_t call, std::uint16_t effect,
+                                        std::span<const std::byte> parameters) noexcept {
+  if (sink_) {
+    std::array<double, kMostInputBytes / sizeof(double)> numbers;
+    std::size_t count = 0;
+    for (const ParameterKey& key : compiled_effects()[effect].keys) {
+      if (count == numbers.size()) break;  // checked by MaterialTuner::add()
+      std::memcpy(&numbers[count++], parameters.data() + key.offset, sizeof(double));
+    }
+    sink_->on_input(
+        {InputKind::kEffectParameters, call, std::as_bytes(std::span(numbers).first(count))});
+  }
+  loop_->set_effect_parameters(call, parameters);
 }
 
 bool LoopChanges::make(const TickInput& input) noexcept {

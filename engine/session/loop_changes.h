@@ -14,7 +14,8 @@ namespace palpate {
 // Makes changes to a loop and hands each of them to a recording, at the place where it acts. Code
 // that runs before a tick gets this object in place of the loop, so that no change can miss the
 // recording: each function packs its arguments into a TickInput, and apply_change() unpacks them,
-// also when a recording is replayed. A copy refers to the same loop.
+// also when a recording is replayed. (The parameters of effects are unpacked by the replay.) A copy
+// refers to the same loop.
 //
 // The functions are those of HapticLoop with the same names. Call them on the haptic thread.
 class LoopChanges {
@@ -26,9 +27,10 @@ class LoopChanges {
   void move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept;
   void refuse_body_pose() noexcept { make({InputKind::kBadBodyPose}); }
   void set_actuation(const ActuationModel& actuation) noexcept;
-  void set_effect_parameters(std::uint32_t call, std::span<const std::byte> parameters) noexcept {
-    make({InputKind::kEffectParameters, call, parameters});
-  }
+  // effect: its index in compiled_effects(). The input holds the numbers of the effect's keys only:
+  // the other bytes are fixed when a scene is compiled, and may be addresses of this process.
+  void set_effect_parameters(std::uint32_t call, std::uint16_t effect,
+                             std::span<const std::byte> parameters) noexcept;
   void set_a4(bool enabled) noexcept { make({InputKind::kA4, enabled ? 1u : 0u}); }
   void set_force(ForceMode force) noexcept {
     make({InputKind::kForce, static_cast<std::uint32_t>(force)});
@@ -37,8 +39,8 @@ class LoopChanges {
 
   const HapticLoop& loop() const noexcept { return *loop_; }
 
-  // Makes a change of a recording. False, and no change, if the input is none of a loop or has
-  // bytes that no change has.
+  // Makes a change of a recording. False, and no change, if the input is none of a loop, has bytes
+  // that no change has, or needs the scene's effects: see set_effect_parameters().
   bool make(const TickInput& input) noexcept;
 
  private:

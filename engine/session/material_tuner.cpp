@@ -65,6 +65,7 @@ std::size_t MaterialTuner::block_of(std::uint32_t call) {
   const std::uint16_t effect = program.calls[call].effect;
   const std::size_t bytes = compiled_effects()[effect].parameter_bytes;
   assert(bytes <= kMostBytes);
+  assert(compiled_effects()[effect].keys.size() * sizeof(double) <= kMostInputBytes);
   blocks_.push_back({call, effect, {}, std::make_unique<Mailbox>()});
   std::copy_n(program.parameters.begin() + program.calls[call].parameters, bytes,
               blocks_.back().set.bytes.begin());
@@ -117,7 +118,7 @@ void MaterialTuner::before_tick(double /*time_s*/, LoopChanges loop) noexcept {
     if (!block.mailbox->values.read(values)) continue;
     if (values.number == applied.load(std::memory_order_relaxed)) continue;
     loop.set_effect_parameters(
-        block.call,
+        block.call, block.effect,
         std::span(values.bytes).first(compiled_effects()[block.effect].parameter_bytes));
     applied.store(values.number, std::memory_order_release);
   }

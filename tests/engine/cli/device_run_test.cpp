@@ -305,6 +305,33 @@ TEST_F(DeviceRunProgram, WithA4ItWritesItsOwnTrace) {
   expect_zero_at_last();
 }
 
+// Contact, turning motors, a trip by the device or none: a recording replays to the bit.
+TEST_F(DeviceRunProgram, RecordsWhatReplaysToTheBit) {
+  const std::string recording = folder.path("pressed.palpate");
+  StartedProgram started;
+  for (int n = 0; n < kMostRuns && started.process == 0; ++n) {
+    std::filesystem::remove(recording);
+    open_board();
+    started = start_program(folder, arguments("60", {"--a4", "on", "--record", recording}));
+    if (press(started)) break;
+    ::kill(started.process, SIGTERM);
+    outcome_of(started);
+    started = {};
+  }
+  ASSERT_NE(started.process, 0) << "no run without a trip";
+  board->hang_up();
+  const Outcome outcome = outcome_of(started);
+  EXPECT_EQ(outcome.exit_code, kTripped) << outcome.err;
+  const json result = json::parse(outcome.out);
+  ASSERT_EQ(result["recordings"].size(), 1u);
+  EXPECT_EQ(result["recordings"][0]["ticks"], result["runs"][0]["ticks"]);
+  EXPECT_GT(result["runs"][0]["contact_ticks"], 0);
+  const Outcome info = run_program(folder, {"recording", "info", recording});
+  EXPECT_NE(info.out.find("0 dropped: trip"), std::string::npos) << info.out;
+  const Outcome replayed = run_program(folder, {"replay", recording});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+}
+
 TEST_F(DeviceRunProgram, WithoutAGuardTheRunWarnsAndWorks) {
   const StartedProgram started = start_pressed({"--no-guard"});
   ASSERT_NE(started.process, 0);

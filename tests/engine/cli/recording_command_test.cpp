@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -10,12 +11,19 @@
 #include <sqlite3.h>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/devices/vector_device.h"
+#include "engine/recording/recorder.h"
+#include "engine/recording/recording_settings.h"
+#include "engine/session/haptic_session.h"
+#include "engine/session/material_tuner.h"
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
@@ -149,6 +157,132 @@ TEST(RecordingCommand, AnswersWhatIf) {
   EXPECT_NE(text.out.find("open loop"), std::string::npos) << text.out;
   expect_one_line(run_program(folder, {"replay", "a.palpate", "--sensors", "3"}), "--sensors");
   expect_one_line(run_program(folder, {"replay", kRecordedStar}), "--trajectory");
+}
+
+TEST(RecordingCommand, WhatIfWithTheFullForceHasAllMotors) {
+  const TemporaryFolder folder;
+  record(folder, recorded_run("a.palpate", "off"));
+  const Outcome full = run_program(folder, {"replay", "a.palpate", "--force", "full", "--json"});
+  ASSERT_EQ(full.exit_code, 0) << full.err;
+  const auto json = nlohmann::json::parse(full.out);
+  EXPECT_NE(json["recorded"]["work_lost_J"], 0.0);
+  EXPECT_EQ(json["what_if"]["work_lost_J"], 0.0);
+}
+
+// A device that draws circles through the middle of the scene.
+class ScenicDevice final : public VectorDevice {
+ public:
+  explicit ScenicDevice(const Scene& scene)
+      : middle_m_(0.5 *
+                  (scene.statistics().bounds_scene.low + scene.statistics().bounds_scene.high)),
+        extent_m_(scene.statistics().extent_m) {}
+  Vec3 read_position_m(double dt_s) noexcept override {
+    time_s_ += dt_s;
+    const Vec3 share(std::sin(1.3 * time_s_), std::sin(1.7 * time_s_), std::cos(2.9 * time_s_));
+    return middle_m_ + 0.55 * extent_m_.cwiseProduct(share);
+  }
+  void command_force_N(const Vec3&) noexcept override {}
+
+ private:
+  Vec3 middle_m_, extent_m_;
+  double time_s_ = 0.0;
+};
+
+// Records a session in which every number of every material changes at random. Returns how many
+// changes were accepted.
+int record_changed_materials(const std::string& model, const std::string& file) {
+  const auto scene = Scene::load(model);
+  EXPECT_TRUE(scene) << scene.error().to_string();
+  RecordedSetup setup;
+  setup.scene_path = model;
+  setup.virtual_time = true;
+  auto recorder = Recorder::create(file, *meta_of(*scene, setup), {.virtual_time = true});
+  EXPECT_TRUE(recorder) << recorder.error().to_string();
+  MaterialTuner tuner(*scene);
+  std::vector<std::pair<std::size_t, const ParameterKey*>> numbers;
+  for (const MaterialCalls& material : scene->material_calls()) {
+    for (const std::uint32_t call : material.calls) {
+      for (const ParameterKey& key :
+           compiled_effects()[scene->world().effects->calls[call].effect].keys) {
+        if (const auto handle = tuner.add(material.material, std::string(key.key))) {
+          numbers.emplace_back(*handle, &key);
+        }
+      }
+    }
+  }
+  HapticLoop loop(scene->world(), setup.actuation, setup.haptics);
+  ScenicDevice device(*scene);
+  HapticSession session(loop, device, {.changes = {&tuner}, .sink = recorder->get()});
+  session.start();
+  test::Random random(21);
+  int changes = 0;
+  for (int n = 0; n < 4000; ++n) {
+    if (n % 20 == 0 && !numbers.empty()) {
+      const auto& [handle, key] = numbers[random.index(numbers.size())];
+      const double most = std::min(key->most, 1000.0);
+      const double number = key->kind == ParameterKey::Kind::kChoice
+                                ? static_cast<double>(random.index(2))
+                                : random.uniform(std::max(key->least, -1000.0), most);
+      if (!tuner.set(handle, number)) ++changes;
+    }
+    session.tick(1e-3);
+  }
+  session.stop();
+  EXPECT_EQ((*recorder)->finish("end").ticks, 4000u);
+  return changes;
+}
+
+// Every number of every material changes while a session is recorded; another process replays it.
+// The parameters of some effects hold addresses, which differ from process to process.
+TEST(RecordingCommand, ChangedMaterialsReplayInAnotherProcess) {
+  for (const char* model :
+       {"gallery", "effect_friction", "effect_friction_map", "effect_magnet", "effect_restitution",
+        "effect_stiffness", "effect_texture", "effect_vibration", "effect_viscosity"}) {
+    const TemporaryFolder folder;
+    const std::string path = std::string(PALPATE_MODELS_DIR) + "/" + model + ".glb";
+    const int changes = record_changed_materials(path, folder.path("a.palpate"));
+    EXPECT_GT(changes, 0) << model;
+    const Outcome replayed = run_program(folder, {"replay", "a.palpate", "--json"});
+    EXPECT_EQ(replayed.exit_code, 0) << model << replayed.err << replayed.out;
+  }
+}
+
+// The ending counts what there should be.
+TEST(RecordingCommand, ATailThatIsGoneIsNoticed) {
+  const TemporaryFolder folder;
+  record(folder, recorded_run("a.palpate"));
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(folder.path("a.palpate").c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database, "DELETE FROM block WHERE first_tick > 2000", nullptr, nullptr,
+                         nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+  const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
+  EXPECT_EQ(replayed.exit_code, 1) << replayed.out;
+  EXPECT_NE(replayed.out.find("the ending states 5000 ticks"), std::string::npos) << replayed.out;
+}
+
+TEST(RecordingCommand, ACopyOverItselfIsRefused) {
+  const TemporaryFolder folder;
+  record(folder, recorded_run("a.palpate"));
+  fs::create_symlink("a.palpate", folder.path("link"));
+  const std::string before = content_of(folder.path("a.palpate"));
+  for (const char* to : {"a.palpate", "./a.palpate", "link"}) {
+    expect_one_line(run_program(folder, {"recording", "export", "a.palpate", "--csv", to}),
+                    "--csv");
+    expect_one_line(run_program(folder, {"recording", "repair", "a.palpate", "--out", to}),
+                    "--out");
+  }
+  EXPECT_EQ(content_of(folder.path("a.palpate")), before);
+}
+
+// A log beside a closed recording is none of it, and one beside a link is not that of the file.
+TEST(RecordingCommand, OnlyTheLogOfTheFileItselfIsUsed) {
+  const TemporaryFolder folder;
+  record(folder, recorded_run("a.palpate"));
+  folder.write("a.palpate-wal", std::string(100'000, 'w'));
+  EXPECT_EQ(run_program(folder, {"recording", "check", "a.palpate"}).exit_code, 0);
+  EXPECT_EQ(run_program(folder, {"replay", "a.palpate"}).exit_code, 0);
 }
 
 // A disk of 200 KiB: the run ends as without recording, and says so. Needs the right to mount.

@@ -61,7 +61,7 @@ struct Base {
     path = std::filesystem::temp_directory_path() /
            ("fuzz_recording_" + std::to_string(::getpid()) + ".palpate");
     RecordedSetup setup;
-    setup.scene_path = "scene.glb";
+    setup.scene_path = PALPATE_MODELS_DIR "/effect_friction.glb";
     meta = *meta_of(scene, setup);
     for (auto& [key, value] : meta_of({device, 2.0, true})) meta[key] = value;
     write(std::vector<RecordedTick>(40), {});

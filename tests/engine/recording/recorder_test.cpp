@@ -237,10 +237,43 @@ TEST(Recorder, EndsAtAFailureOfTheDiskAndKeepsWhatWasCommitted) {
       if (!result.error) break;  // all operations were before the n-th
       ++failed;
       EXPECT_FALSE(result.error->problem.empty());
-      EXPECT_TRUE(is_prefix(read_back(path).rows, given)) << n;
+      const auto rows = read_back(path).rows;
+      EXPECT_TRUE(is_prefix(rows, given)) << n;
+      EXPECT_GE(rows.size(), result.ticks) << n;
     }
   }
   EXPECT_GT(failed, 10);
+}
+
+// What was committed before the disk fails is there afterwards.
+TEST(Recorder, KeepsTheTransactionsBeforeAFailureOfTheDisk) {
+  const TemporaryFolder folder;
+  FaultLayer::heal();
+  constexpr std::uint64_t kBefore = 3'000, kAfter = 3'000;
+  for (const auto fault :
+       {FaultLayer::Fault::kFull, FaultLayer::Fault::kIoError, FaultLayer::Fault::kGone}) {
+    const std::string path = folder.path(std::to_string(static_cast<int>(fault)) + ".palpate");
+    auto recorder = made(path, {.file_system = FaultLayer::kName});
+    std::vector<RecordedTick> given;
+    const auto add = [&](std::uint64_t count) {
+      for (std::uint64_t n = 0; n < count; ++n) {
+        given.push_back(plain_row(given.size()));
+        recorder->on_tick(given.back().record, given.back().reading);
+      }
+    };
+    add(kBefore);
+    std::this_thread::sleep_for(1s);  // several transactions
+    FaultLayer::fail_at(1, fault);
+    add(kAfter);
+    const RecordingResult result = recorder->finish("end");
+    recorder.reset();
+    FaultLayer::heal();
+    EXPECT_TRUE(result.error);
+    const auto rows = read_back(path).rows;
+    EXPECT_TRUE(is_prefix(rows, given));
+    EXPECT_GE(rows.size(), kBefore);
+    EXPECT_GE(rows.size(), result.ticks);
+  }
 }
 
 TEST(Recorder, EndsIfItsFileIsRemoved) {
@@ -275,6 +308,7 @@ TEST(Recorder, EndsAtTheLimitOfTheProcess) {
       RecordedTick row = plain_row(tick);
       for (double& number : row.record.goal_scene_m) number = random.uniform(0, 1);
       recorder->on_tick(row.record, row.reading);
+      if (tick == 1'500) std::this_thread::sleep_for(1s);  // several transactions
     }
     ::_exit(recorder->finish("end").error ? 0 : 1);
   }
@@ -283,6 +317,7 @@ TEST(Recorder, EndsAtTheLimitOfTheProcess) {
   ASSERT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
   EXPECT_EQ(WEXITSTATUS(status), 0);
   const auto rows = read_back(path).rows;
+  EXPECT_GE(rows.size(), 1'024u);
   for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i].record.tick, i);
 }
 
