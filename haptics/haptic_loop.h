@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "haptics/a4/actuation.h"
-#include "haptics/a4/elementary_rotation.h"
 #include "haptics/a4/scene_pose.h"
 #include "haptics/a4/theoretical_rotation.h"
 #include "haptics/effects/effect_runner.h"
@@ -18,33 +17,10 @@
 #include "haptics/proxy/contact_world.h"
 #include "haptics/proxy/god_object.h"
 #include "haptics/record_vectors.h"
+#include "haptics/strategies/haptic_settings.h"
 #include "palpate/record.h"
 
 namespace palpate {
-
-// The part of the force that the loop commands. The mode does not affect the rotation by A4.
-enum class ForceMode : std::uint8_t {
-  kNone,
-  kActuated,  // projected on the actuated axes
-  kFull       // not projected, as if every axis had an actuator
-};
-
-struct A4Settings {
-  bool enabled = true;
-  Table1Form table1 = Table1Form::kCorrected;
-  RotationProfile profile;
-  StepRule step = StepRule::kExact;
-};
-
-struct HapticSettings {
-  GodObjectSettings god_object;
-  CouplingSettings coupling;
-  ForceMode force = ForceMode::kActuated;
-  A4Settings a4;
-  double plane_height_m = 0.0;    // 2 sensors: z of the device point and the proxy, device frame
-  ScenePose initial_pose;         // T_device_scene at the first tick
-  bool measures_effects = false;  // measures the time of each effect, which costs clock reads
-};
 
 // The longest valid time step. A force that is held longer cannot follow a hand.
 inline constexpr double kLongestTick_s = 1.0;
