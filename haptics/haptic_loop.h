@@ -44,6 +44,10 @@ class HapticLoop {
   // tick reports kFaultBadSettings and commands zero force.
   HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
              const HapticSettings& settings);
+  // A moved-from loop may only be destroyed.
+  HapticLoop(HapticLoop&&) noexcept;
+  HapticLoop& operator=(HapticLoop&&) noexcept;
+  ~HapticLoop();
 
   // Runs one tick and returns its record, which is valid until the next tick. p_device_m: sensed
   // position, device frame. dt_s: time since the last tick, > 0 and at most kLongestTick_s. The
@@ -97,9 +101,12 @@ class HapticLoop {
   // declare none. They apply from the next tick on. A loop that is switched before its first tick
   // equals, to the bit, a loop that was constructed with these settings. A4 chooses its direction
   // anew when it is turned on, as in a new contact. The numbers must be such that check_settings()
-  // allows them. Call on the haptic thread.
+  // allows them. A4 and the force of a loop with a strategy (HapticSettings::strategy) belong to
+  // the strategy; set_a4() and set_force() then change nothing. Call on the haptic thread.
   void set_a4(bool enabled) noexcept;
-  void set_force(ForceMode force) noexcept { settings_.force = force; }
+  void set_force(ForceMode force) noexcept {
+    if (!settings_.strategy) settings_.force = force;
+  }
   void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
 
   // The bodies that have moved since the construction, and the pose of a body in the scene. Call on
@@ -126,9 +133,15 @@ class HapticLoop {
 
  private:
   // Actions 2 to 6 of a tick, defined in haptic_loop_steps.h. kNeeds: the needs of the world's
-  // effects, as far as they select a step (kStepNeeds).
+  // effects, as far as they select a step (kStepNeeds), and kInAnisotropicNorm.
   using Step = void (HapticLoop::*)(double dt_s);
   static Step step_with_effects(std::uint32_t needs);
+  // Replaces the step by that of the strategy: haptic_loop_strategies.cpp.
+  void use_strategy();
+  void step_anticipating(double dt_s);
+  void step_following(double dt_s);
+  void anticipate(double dt_s);
+  void follow_hand();
   template <std::uint32_t kNeeds>
   void step(double dt_s);
   template <std::uint32_t kNeeds>
@@ -137,6 +150,7 @@ class HapticLoop {
   // measurable in short ticks.
   template <std::uint32_t kNeeds>
   [[gnu::always_inline]] void detect_collision();
+  void move_proxy_in_norm(const Vec3& goal_solver);
   [[gnu::always_inline]] std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
   template <std::uint32_t kNeeds>
   void find_contact_normal();
@@ -154,6 +168,7 @@ class HapticLoop {
   void move_bodies();
   std::optional<Vec3> motion_plane_normal() const;
   void command(const Vec3& force_N);
+  void command_in_norm(const Vec3& force_N);
   void refuse_force();
   void set_zero_force();
   void place_scene(const ScenePose& T_device_scene);
@@ -186,10 +201,12 @@ class HapticLoop {
   Step step_;
   Step step_without_effects_;              // actions 3 to 6 where no effect is near
   std::unique_ptr<EffectRunner> effects_;  // null in a world without effects
-  ContactResponse response_;               // of this tick
-  EffectMotion motion_;                    // of this tick
-  bool last_was_good_ = false;             // the last tick's goal was the hand's position
-  double last_dt_s_ = 0.0;                 // of the last good tick
+  struct StrategyState;
+  std::unique_ptr<StrategyState> strategy_;  // null without HapticSettings::strategy
+  ContactResponse response_;                 // of this tick
+  EffectMotion motion_;                      // of this tick
+  bool last_was_good_ = false;               // the last tick's goal was the hand's position
+  double last_dt_s_ = 0.0;                   // of the last good tick
   std::uint64_t good_ticks_ = 0;
   Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 

@@ -23,6 +23,8 @@ constexpr int kDiffers = 1;
 // Changes the settings of the recording as the request states.
 std::optional<Error> apply_request(const RecordedReplayRequest& request, RecordedSession& session) {
   HapticSettings& haptics = session.setup.haptics;
+  if (request.a4 || request.force) haptics.strategy.reset();
+  if (request.strategy) set_strategy(*request.strategy, haptics);
   if (request.a4) haptics.a4.enabled = *request.a4;
   if (request.force) haptics.force = *request.force;
   if (request.accuracy) haptics.god_object.accuracy = *request.accuracy;
@@ -38,8 +40,8 @@ std::optional<Error> apply_request(const RecordedReplayRequest& request, Recorde
 
 ReplayChange change_of(const RecordedReplayRequest& request) {
   ReplayChange change;
-  change.ignores_a4 = request.a4.has_value();
-  change.ignores_force = request.force.has_value();
+  change.ignores_a4 = request.a4 || request.strategy;
+  change.ignores_force = request.force || request.strategy;
   change.ignores_coupling = request.stiffness_N_per_m || request.damping_Ns_per_m;
   change.ignores_effects = !request.materials.empty();
   return change;

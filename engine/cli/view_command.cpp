@@ -22,6 +22,7 @@
 #include "engine/cli/run_on_device.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/strategy_option.h"
 #include "engine/devices/device_options.h"
 #include "engine/devices/hapi_device.h"
 #include "engine/viewer/page_files.h"
@@ -146,6 +147,11 @@ int view_with_device(const ViewRequest& request, const IsGiven& is_given) {
     return refuse(invalid_argument(
         "--sensors", "is " + std::to_string(sensors) + "; expected 2, the sensors of the device"));
   }
+  const DeviceDescription& described = device.description();
+  if (const auto error = check_motors(request.run.options.settings.strategy, described.sensed_axes,
+                                      described.motor_count)) {
+    return refuse(*error);
+  }
   return view(request, &device, is_given);
 }
 
@@ -190,6 +196,7 @@ CLI::App* ViewCommand::add_to(CLI::App& program) {
                      "turn the scene at first: on or off")
       ->group(kA4Group);
   add_rotation(app, settings);
+  add_strategy(app, settings.strategy);
   add_record(app, run.record);
   add_page(app);
   return &app;
@@ -230,7 +237,9 @@ int ViewCommand::run(const std::vector<std::string>& /*arguments*/) {
     const CLI::Option* const option = app_->get_option_no_throw(name);
     return option != nullptr && option->count() > 0;
   };
+  if (const auto error = check_strategy_options(is_given)) return refuse(*error);
   if (const auto error = check_device_options(request_.run, is_given)) return refuse(*error);
+  take_strategy(request_.run);
   if (const auto error = check_recording_names({request_.run.record})) return refuse(*error);
   return request_.run.device.text.empty() ? view(request_, nullptr, is_given)
                                           : view_with_device(request_, is_given);

@@ -126,6 +126,7 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   setup.haptics.coupling = {settings.stiffness_N_per_m, settings.damping_Ns_per_m, *velocity};
   setup.haptics.force = settings.force;
   setup.haptics.a4.enabled = settings.a4;
+  if (settings.strategy) set_strategy(*settings.strategy, setup.haptics);
   setup.haptics.a4.table1 = settings.table1;
   setup.haptics.a4.step = settings.a4_step;
   setup.haptics.plane_height_m = settings.plane_height_m.value_or(0.0);

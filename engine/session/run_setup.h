@@ -26,6 +26,8 @@ struct RunSettings {
   std::vector<Vec3> actuated_axes;  // directions, device frame; empty: A1, A2, A3 in this order
   ForceMode force = ForceMode::kActuated;
   bool a4 = false;
+  // Replaces `force` and `a4`. No value: the two count.
+  std::optional<Strategy> strategy = {};
   Table1Form table1 = Table1Form::kCorrected;
   StepRule a4_step = StepRule::kExact;
   Accuracy accuracy;

@@ -20,7 +20,7 @@ namespace {
 constexpr double kConeRoundoff = 128 * std::numeric_limits<double>::epsilon();
 
 // The friction policy of GodObject::move_with_friction(): the state of friction in one tick.
-struct CoulombFriction {
+struct CoulombFriction : EuclideanNorm {
   static constexpr bool kHolds = true;
 
   const FrictionSource* source;
