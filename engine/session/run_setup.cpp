@@ -135,6 +135,14 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   return setup;
 }
 
+void give_all_motors(DeviceDescription& device, int sensors) {
+  device.motor_count = sensors;
+  for (int i = 0; i < sensors; ++i) {
+    const Vec3 axis = Vec3::Unit(i);
+    device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(), axis.z()};
+  }
+}
+
 std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup) {
   const double extent_m = workspace_extent_m(setup.device);
   if (!(extent_m > 0.0)) {

@@ -63,6 +63,10 @@ struct RunSetup {
 // names the field of RunSettings.
 Result<RunSetup> make_setup(const RunSettings& settings);
 
+// Gives a device a motor along every sensed axis, as the simulated hand's device has under
+// ForceMode::kFull.
+void give_all_motors(DeviceDescription& device, int sensors);
+
 // Returns an error if the haptic loop would refuse this setup in every tick on this scene
 // (check_settings, is_time_step), or if the device has no workspace for the simulated hand. The
 // error names the field of HapticSettings or RunSettings. replay() and explore() call this

@@ -357,6 +357,8 @@ TEST_F(DeviceRunProgram, RefusesBadOptionsInOneLine) {
            {{"--device", port, "--workspace", "1"}, "--workspace: is for the simulated hand"},
            {{"--device", port, "--a4", "compare"}, "--a4: is compare; expected on or off"},
            {{"--device", port, "--sensors", "3"}, "--sensors: is 3; expected 2"},
+           {{"--device", port, "--strategy", "full", "--a4", "off"},
+            "--strategy: is given beside --a4"},
            {{"--device", port + ",torque-per-Nm=1,peak-torque=0.1", "--max-force", "100"},
             "--max-force: is 100 N; expected at most"},
            {{"--device", port, "--seconds", "1"}, "--seconds: "},

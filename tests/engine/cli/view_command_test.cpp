@@ -33,6 +33,8 @@ TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
         {"view", kViewedStar, "--port", "65536"},
         {"view", kViewedStar, "--port", "-1"},
         {"view", kViewedStar, "--a4", "compare"},
+        {"view", kViewedStar, "--strategy", "a4", "--a4", "on"},
+        {"view", kViewedStar, "--strategy", "anisotropic:17"},
         {"view", kViewedStar, "--cpu", "0"},
         {"view", kViewedStar, "--device", "hapi:port=/no/such/port"}}) {
     const Outcome outcome = run_program(folder, arguments);
