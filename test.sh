@@ -3,9 +3,9 @@
 # PRESET=debug ./test.sh uses the debug build. PRESET=asan builds and runs only the tests labelled
 # memory, which cover all code that processes files or device input from outside. PRESET=tsan builds
 # and runs only the tests labelled rt, which cover all code that uses threads. PRESET=fuzz fuzzes the
-# glTF reader for 30 s, the conversation with a hAPI board for 15 s, and what a page of `view` sends
-# for 15 s. PALPATE_FUZZ_SECONDS sets the time of each; PALPATE_FUZZ_TARGET selects one, gltf,
-# hapi_link or page; arguments are passed to libFuzzer.
+# glTF reader for 30 s, and for 15 s each the conversation with a hAPI board, what a page of `view`
+# sends, and recordings. PALPATE_FUZZ_SECONDS sets the time of each; PALPATE_FUZZ_TARGET selects one,
+# gltf, hapi_link, page or recording; arguments are passed to libFuzzer.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 # fuzz TARGET SECONDS ARGUMENT...: fuzzes, beginning with the inputs of earlier runs.
@@ -37,11 +37,18 @@ fuzz_page() {
     -dict="$palpate_root/tests/engine/viewer/page.dict" "$@" "$corpus"
 }
 
+# Makes its recordings itself; the inputs are changes of them.
+fuzz_recording() {
+  local corpus=$palpate_root/build/fuzz/corpus_recording
+  mkdir -p "$corpus"
+  fuzz recording 15 -rss_limit_mb=2048 -max_len=4096 "$@" "$corpus"
+}
+
 preset=${PRESET:-release}
 if [ "$preset" = fuzz ]; then
   install_missing_packages "${palpate_fuzz_packages[@]}"
-  build_preset fuzz fuzz_gltf fuzz_hapi_link fuzz_page make_fuzz_seeds
-  for target in ${PALPATE_FUZZ_TARGET:-gltf hapi_link page}; do
+  build_preset fuzz fuzz_gltf fuzz_hapi_link fuzz_page fuzz_recording make_fuzz_seeds
+  for target in ${PALPATE_FUZZ_TARGET:-gltf hapi_link page recording}; do
     "fuzz_$target" "$@"
   done
   exit

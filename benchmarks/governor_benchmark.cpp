@@ -16,6 +16,7 @@
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/registration.h"
+#include "engine/devices/monotonic_clock.h"
 #include "engine/devices/motor_guard.h"
 #include "engine/session/tick_times.h"
 #include "haptics/record_vectors.h"
@@ -144,7 +145,7 @@ void run_governor(benchmark::State& state, const GovernorCase& governor_case) {
                       governor_case.turns);
   for (int n = 0; n < 10; ++n) ticks.tick();  // while the force grows
   std::uint32_t faults = 0;
-  std::int64_t now_ns = guard_clock_ns();
+  std::int64_t now_ns = monotonic_ns();
   for (auto _ : state) {
     const TickRecord& record = ticks.tick();
     faults |= record.faults;
@@ -156,7 +157,7 @@ void run_governor(benchmark::State& state, const GovernorCase& governor_case) {
 void run_heartbeat(benchmark::State& state) {
   const Guard guard;
   if (guard.get() == nullptr) return state.SkipWithError(guard.problem().c_str());
-  std::int64_t now_ns = guard_clock_ns();
+  std::int64_t now_ns = monotonic_ns();
   for (auto _ : state) beat(*guard.get(), ++now_ns);
 }
 

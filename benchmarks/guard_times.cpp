@@ -72,7 +72,7 @@ std::int64_t cause(const Fault& fault, const WatchedProcess& engine) {
   const sched_param above{kPriority};
   const sched_param ordinary{};
   pthread_setschedparam(pthread_self(), SCHED_FIFO, &above);
-  const std::int64_t now_ns = guard_clock_ns();
+  const std::int64_t now_ns = monotonic_ns();
   engine.send(fault.signal);
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
   return now_ns;
@@ -98,9 +98,9 @@ class Probe {
  private:
   void run() {
     while (!ends_.load()) {
-      const std::int64_t start_ns = guard_clock_ns();
+      const std::int64_t start_ns = monotonic_ns();
       ::usleep(1000);
-      const std::int64_t late_ns = guard_clock_ns() - start_ns - 1'000'000;
+      const std::int64_t late_ns = monotonic_ns() - start_ns - 1'000'000;
       if (late_ns > worst_ns_.load()) worst_ns_.store(late_ns);
     }
   }

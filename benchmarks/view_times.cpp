@@ -1,9 +1,11 @@
-// Measures what a viewer costs: the time from a pointer message to the state that used it, the CPU
-// of the network thread, and the late ticks of the haptic thread with and without clients.
+// Measures what a viewer costs: the time of a tick, the time from a pointer message to the state
+// that used it, the CPU of the network thread, and the late ticks of the haptic thread with and
+// without clients.
 //
 // usage: view_times SCENE [--seconds=N] [--pointers=N] [--csv=FILE]
 //
-// The clients do not draw. One reads everything and moves the hand; three never read. The bare
+// The clients do not draw. One reads everything and moves the hand; three never read, and are
+// replaced every ten seconds, because the server drops such clients a little later. The bare
 // round trip is that of the same numbers of bytes between two threads, over a socket of this
 // machine.
 
@@ -26,6 +28,13 @@
 #include <utility>
 #include <vector>
 
+#include "engine/session/haptic_session.h"
+#include "engine/session/material_tuner.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/viewer/held_device.h"
+#include "engine/viewer/live_settings.h"
+#include "engine/viewer/pointer_plan.h"
+#include "engine/viewer/state_publisher.h"
 #include "engine/viewer/view_server.h"
 #include "engine/viewer/view_session.h"
 #include "tests/engine/viewer/raw_client.h"
@@ -81,7 +90,7 @@ double resident_MB() {
 
 std::string pointer_bytes(std::uint64_t sequence, const Vec3& target_m) {
   std::string bytes(40, '\0');
-  const std::array<std::uint16_t, 2> head = {16, 1};
+  const std::array<std::uint16_t, 2> head = {16, kViewVersion};
   const std::uint32_t buttons = 1;
   std::memcpy(bytes.data(), head.data(), 4);
   std::memcpy(bytes.data() + 4, &buttons, 4);
@@ -144,8 +153,8 @@ std::vector<double> pointer_times_ms(const Scene& scene, const RunSetup& setup, 
 
 // A thread answers each message of the pointer's length by one of the state's length.
 std::vector<double> bare_times_ms(int count) {
-  constexpr std::size_t kAsked = 46;      // a pointer in its frame
-  constexpr std::size_t kAnswered = 372;  // a state in its frame
+  constexpr std::size_t kAsked = 46;                           // a pointer in its frame
+  constexpr std::size_t kAnswered = 140 + sizeof(TickRecord);  // a state in its frame
   const int listening = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -192,17 +201,32 @@ void watch(WebSocketClient& client, const Vec3& start_m, const std::atomic<bool>
   }
 }
 
+// Keeps three clients that never read until `ends`.
+void refuse_to_read(const View& view, const std::atomic<bool>& ends) {
+  constexpr int kClients = 3;
+  constexpr auto kLook = std::chrono::milliseconds(100);
+  constexpr auto kReplace = std::chrono::seconds(10);
+  std::vector<std::unique_ptr<WebSocketClient>> clients(kClients);
+  Clock::time_point due = Clock::now();
+  for (; !ends; std::this_thread::sleep_for(kLook)) {
+    if (Clock::now() < due) continue;
+    for (auto& client : clients) client = view.client();
+    due += kReplace;
+  }
+}
+
 // The ticks of a session, with one client that reads and three that do not, or without a client.
 void measure_ticks(const Scene& scene, const RunSetup& setup, bool has_clients, int seconds,
                    std::vector<Line>& lines) {
   const std::string of = has_clients ? "with clients: " : "without clients: ";
   const View view(scene, setup);
-  std::vector<std::unique_ptr<WebSocketClient>> clients;
-  for (int i = 0; has_clients && i < 4; ++i) clients.push_back(view.client());
   std::atomic<bool> ends{false};
-  std::thread watching;
+  std::vector<std::thread> clients;
   if (has_clients) {
-    watching = std::thread([&] { watch(*clients[0], resting_place_m(scene, setup), ends); });
+    clients.emplace_back([&, reader = std::shared_ptr(view.client())] {
+      watch(*reader, resting_place_m(scene, setup), ends);
+    });
+    clients.emplace_back([&] { refuse_to_read(view, ends); });
   }
   std::this_thread::sleep_for(std::chrono::seconds(1));  // the start is not measured
   const double cpu_before_s = cpu_s("palpate-network");
@@ -213,7 +237,7 @@ void measure_ticks(const Scene& scene, const RunSetup& setup, bool has_clients, 
   lines.push_back({of + "CPU of the network thread", 100.0 * cpu_share, "%"});
   lines.push_back({of + "growth of memory", resident_MB() - before_MB, "MB"});
   ends = true;
-  if (watching.joinable()) watching.join();
+  for (std::thread& client : clients) client.join();
   view.session->stop();
   const TickTimes& times = view.session->thread().times();
   lines.push_back({of + "ticks", static_cast<double>(times.wall.count()), "1"});
@@ -222,6 +246,83 @@ void measure_ticks(const Scene& scene, const RunSetup& setup, bool has_clients, 
                      static_cast<double>(times.late_ticks[i]), "1"});
   }
 }
+
+// Sessions of the same hand with and without what a viewer adds to a tick. Nobody reads.
+class TickPair {
+ public:
+  TickPair(const Scene& scene, const RunSetup& setup)
+      : dt_s_(setup.dt_s),
+        plain_(scene, setup, false),
+        viewed_(scene, setup, true),
+        start_m_(resting_place_m(scene, setup)) {}
+
+  // The median time of a tick, ns: without a viewer, and how much more it takes with one. The
+  // sessions alternate, so that both meet the same disturbances.
+  std::pair<double, double> medians_ns() {
+    constexpr int kBlocks = 2000;
+    std::vector<double> plain_ns, more_ns;
+    for (int n = 0; n < kBlocks; ++n) {
+      const bool is_first = n % 2 == 0;
+      const double first = block_ns(is_first ? plain_ : viewed_, n);
+      const double second = block_ns(is_first ? viewed_ : plain_, n);
+      plain_ns.push_back(is_first ? first : second);
+      more_ns.push_back(is_first ? second - first : first - second);
+    }
+    return {at(plain_ns, 0.5), at(more_ns, 0.5)};
+  }
+
+ private:
+  struct Side {
+    Side(const Scene& scene, const RunSetup& setup, bool is_viewed)
+        : plan(resting_place_m(scene, setup)),
+          tuner(scene),
+          live(scene, setup),
+          simulated(plant(setup), plan, resting_place_m(scene, setup), setup.haptics.initial_pose,
+                    setup.actuation.is_planar()),
+          held(simulated, live),
+          loop(scene.world(), setup.actuation, setup.haptics),
+          publisher(loop, &plan, 0),
+          session(loop, is_viewed ? static_cast<Device&>(held) : simulated, parts(is_viewed)) {
+      session.start();
+    }
+    static PlantSettings plant(const RunSetup& setup) {
+      PlantSettings settings;
+      settings.device = setup.device;
+      settings.intention_noise_m = 0.0;
+      return settings;
+    }
+    SessionParts parts(bool is_viewed) {
+      if (!is_viewed) return {.observers = {&simulated}};
+      return {.changes = {&tuner, &live}, .observers = {&publisher, &simulated}};
+    }
+
+    PointerPlan plan;
+    MaterialTuner tuner;
+    LiveSettings live;
+    SimulatedDevice simulated;
+    HeldDevice held;
+    HapticLoop loop;
+    StatePublisher publisher;
+    HapticSession session;
+  };
+
+  double block_ns(Side& side, int n) const {
+    constexpr int kTicks = 200;
+    PointerMessage message;
+    message.sequence = static_cast<std::uint64_t>(n) + 1;
+    message.holds = true;
+    const Vec3 target_m = place(start_m_, n);
+    message.target_m = {target_m.x(), target_m.y(), target_m.z()};
+    side.plan.point(message);
+    const Clock::time_point start = Clock::now();
+    for (int i = 0; i < kTicks; ++i) side.session.tick(dt_s_);
+    return 1e6 * ms_since(start) / kTicks;
+  }
+
+  double dt_s_;
+  Side plain_, viewed_;
+  Vec3 start_m_;
+};
 
 int measure(const Options& options) {
   const auto scene = Scene::load(options.scene, {.fit_size_m = 0.2});
@@ -242,6 +343,9 @@ int measure(const Options& options) {
     lines.push_back({"bare round trip, " + name, at(bare_ms, share), "ms"});
     lines.push_back({"pointer to state, " + name, at(pointer_ms, share), "ms"});
   }
+  const auto [plain_ns, more_ns] = TickPair(*scene, setup).medians_ns();
+  lines.push_back({"tick without a viewer, median", plain_ns, "ns"});
+  lines.push_back({"tick with a viewer, more", more_ns, "ns"});
   measure_ticks(*scene, setup, false, options.seconds, lines);
   measure_ticks(*scene, setup, true, options.seconds, lines);
   std::ofstream csv(options.csv);

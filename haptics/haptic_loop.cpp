@@ -67,7 +67,7 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
   return record_;
 }
 
-void HapticLoop::warm_up() const {
+void HapticLoop::warm_up() const noexcept try {
   if (has_bad_settings_) return;
   HapticLoop other(*world_, actuation_, settings_);
   const Box& box = world_->bounds_solver;
@@ -79,6 +79,7 @@ void HapticLoop::warm_up() const {
     const double share = static_cast<double>(n) / kTicks;
     other.tick(T_device_scene().point(outside_m + share * (middle_m - outside_m)), kTick_s);
   }
+} catch (const std::bad_alloc&) {
 }
 
 // Action 1: the user's motion Tu, here as the sensed position. Returns fault bits.

@@ -64,8 +64,9 @@ class HapticLoop {
 
   // Brings the code of a tick and the upper part of the search structures into the caches, so that
   // the first ticks are as fast as later ones. Changes nothing: a second loop, which this function
-  // creates, moves into the scene. Allocates: call it before the first tick.
-  void warm_up() const;
+  // creates, moves into the scene. Allocates: call it before the first tick. Does nothing if there
+  // is no memory for the second loop.
+  void warm_up() const noexcept;
 
   // Marks the sample of the next tick as bad, because the device did not sense it. That tick sets
   // kFaultInvalidSample.
@@ -108,6 +109,11 @@ class HapticLoop {
     if (!settings_.strategy) settings_.force = force;
   }
   void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
+
+  // The present settings, with what the functions above have changed, and the present motors. Call
+  // on the haptic thread.
+  const HapticSettings& settings() const noexcept { return settings_; }
+  const ActuationModel& actuation() const noexcept { return actuation_; }
 
   // The bodies that have moved since the construction, and the pose of a body in the scene. Call on
   // the haptic thread.

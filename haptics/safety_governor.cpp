@@ -150,6 +150,14 @@ void SafetyGovernor::govern(TickRecord& record) noexcept {
   put(force_N, record.force_device_N);
 }
 
+void SafetyGovernor::pause() noexcept {
+  last_now_ns_ = 0;  // the next tick is one period long
+  last_force_N_.setZero();
+  has_work_ = false;
+  speed_.clear();
+  if (moves_motors_ && !is_tripped()) begin_start();
+}
+
 // The rules bad sample, stale, order and late.
 void SafetyGovernor::watch_interruptions(TickRecord& record) noexcept {
   is_interrupted_ = false;

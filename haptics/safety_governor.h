@@ -105,9 +105,9 @@ struct TickTime {
 // - workspace (M): the force falls linearly from full on the border of the workspace to zero on a
 //   box of 1.2 times its size.
 // - ease (M): the force grows linearly from zero to full in 100 ms.
-// - start (M), after start and rearm: zero force until for 100 ms the wanted force is below 0.3 N
-//   or there is no contact, and the speed is below 0.2 m/s; then the force grows linearly to full
-//   in 0.5 s.
+// - start (M), after start, rearm and a pause: zero force until for 100 ms the wanted force is
+//   below 0.3 N or there is no contact, and the speed is below 0.2 m/s; then the force grows
+//   linearly to full in 0.5 s.
 //
 // Factors are not multiplied: the smallest one counts. The slew rule is the last one. A trip
 // latches zero force until rearm().
@@ -133,6 +133,11 @@ class SafetyGovernor {
   }
   // Limits the record's commanded force. Ends a tick.
   void govern(TickRecord& record) noexcept;
+
+  // Replaces begin_tick() and govern() in the ticks of a paused session, whose force is zero: the
+  // rule *start* (M) begins in the next tick, and the rules do not count the time of the pause. A
+  // trip stays. Two calls in a row are as one.
+  void pause() noexcept;
 
   // Ends a trip: the rule *start* begins in the next tick. Does nothing if there is no trip.
   void rearm() noexcept { rearm_.store(true, std::memory_order_release); }

@@ -59,10 +59,18 @@ Result<std::unique_ptr<OpenedBrowser>> OpenedBrowser::open(const std::string& ad
   for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
     posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_WRONLY, 0);
   }
+  // The browser may outlive this program: it must not keep the server's sockets, and Ctrl-C in this
+  // program's terminal must not end it.
+  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
   std::string program = kOpener;
   std::array<char*, 3> argv = {program.data(), opened->path_.data(), nullptr};
   pid_t process = 0;
-  const int error = ::posix_spawnp(&process, kOpener, &actions, nullptr, argv.data(), environ);
+  const int error = ::posix_spawnp(&process, kOpener, &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) return failed("xdg-open cannot be started", error);
   return opened;

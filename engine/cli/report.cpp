@@ -1,7 +1,6 @@
 #include "engine/cli/report.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <functional>
 #include <string_view>
 #include <utility>
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/cli/effects_report.h"
+#include "engine/cli/formatted.h"
 #include "engine/cli/option_names.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/scene/scene_contours.h"
@@ -20,13 +20,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  char text[160];
-  std::snprintf(text, sizeof text, pattern, args...);
-  return text;
-}
-
 double load_ms(const SceneStatistics& s) {
   return s.parse_ms + s.mesh_ms + s.index_ms;
 }
@@ -35,16 +28,18 @@ double load_ms(const SceneStatistics& s) {
 std::string memory_text(const SceneStatistics& s) {
   const auto megabytes = [](std::size_t bytes) { return 1e-6 * static_cast<double>(bytes); };
   const MemoryBreakdown& m = s.memory;
-  return format(
+  return formatted(
              "  memory %.1f MB, %.0f bytes per triangle: adjacency %.1f, positions %.1f, maps "
              "%.1f, ",
              megabytes(m.total()),
              static_cast<double>(m.total() - m.places) / static_cast<double>(s.cleaning.triangles),
              megabytes(m.adjacency), megabytes(m.positions), megabytes(m.maps)) +
-         format("index: triangles %.1f, packs %.1f, boxes %.1f; places %.1f, effects %.1f\n",
-                megabytes(m.index_triangles), megabytes(m.index_packs), megabytes(m.index_boxes),
-                megabytes(m.places), megabytes(m.effects));
+         formatted("index: triangles %.1f, packs %.1f, boxes %.1f; places %.1f, effects %.1f\n",
+                   megabytes(m.index_triangles), megabytes(m.index_packs), megabytes(m.index_boxes),
+                   megabytes(m.places), megabytes(m.effects));
 }
+
+}  // namespace
 
 std::string faults_text(const RunSummary& s) {
   std::string text;
@@ -60,6 +55,8 @@ std::string faults_text(const RunSummary& s) {
   return text.empty() ? "none" : text;
 }
 
+namespace {
+
 // A line of a table: its name, and a function that formats a run's value.
 struct Line {
   std::string name;
@@ -68,7 +65,7 @@ struct Line {
 
 std::string interruption_text(const ExplorationRun& run) {
   if (!run.interrupted) return "no";
-  return format("after %.2f s", run.records.empty() ? 0.0 : run.records.back().time_s);
+  return formatted("after %.2f s", run.records.empty() ? 0.0 : run.records.back().time_s);
 }
 
 // A person with a device has no path to follow.
@@ -78,53 +75,55 @@ bool has_way(const ExplorationRun& run) {
 
 Line way_line(const ExplorationRun& first) {
   return {first.contour_scene_m.empty() ? "places reached" : "contour completed",
-          [](const ExplorationRun& r) { return format("%.1f %%", 100 * r.way_share); }};
+          [](const ExplorationRun& r) { return formatted("%.1f %%", 100 * r.way_share); }};
 }
 
 std::vector<Line> run_lines(const Scene& scene) {
   using Run = ExplorationRun;
   const auto mean = [](const char* pattern, double RunSummary::*value, double factor) {
     return [=](const Run& r) {
-      return has_means(r.summary) ? format(pattern, factor * r.summary.*value) : std::string("-");
+      return has_means(r.summary) ? formatted(pattern, factor * r.summary.*value)
+                                  : std::string("-");
     };
   };
   std::vector<Line> lines = {
       {"in contact",
-       [](const Run& r) { return format("%.1f %%", 100 * r.summary.contact_share()); }},
+       [](const Run& r) { return formatted("%.1f %%", 100 * r.summary.contact_share()); }},
       {"mean contact angle", mean("%.1f deg", &RunSummary::mean_contact_angle_deg, 1.0)},
       {"contact within 30 deg", mean("%.1f %%", &RunSummary::share_within_30deg, 100.0)},
       {"mean penetration", mean("%.2f mm", &RunSummary::mean_penetration_m, 1e3)},
       {"largest penetration",
-       [](const Run& r) { return format("%.2f mm", 1e3 * r.summary.max_penetration_m); }},
+       [](const Run& r) { return formatted("%.2f mm", 1e3 * r.summary.max_penetration_m); }},
       {"losses of contact",
        [](const Run& r) { return std::to_string(r.summary.losses_of_contact); }},
       {"work of missing motors (1)",
-       [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.work_lost_J); }},
+       [](const Run& r) { return formatted("%.2f mJ", 1e3 * r.summary.work_lost_J); }},
       {"energy returned (2)",
-       [](const Run& r) { return format("%.2f mJ", 1e3 * r.summary.port_work_J); }},
+       [](const Run& r) { return formatted("%.2f mJ", 1e3 * r.summary.port_work_J); }},
       {"device travel A1 x A2 x A3",
        [](const Run& r) {
          const Vec3& e = r.summary.device_extent_m;
-         return format("%.2f x %.2f x %.2f m%s", e.x(), e.y(), e.z(),
-                       r.exceeds_workspace ? " !" : "");
+         return formatted("%.2f x %.2f x %.2f m%s", e.x(), e.y(), e.z(),
+                          r.exceeds_workspace ? " !" : "");
        }},
       {"missed deadlines",
        [](const Run& r) {
          if (!r.missed_deadlines) return std::string("-");
-         return format("%llu of %llu", static_cast<unsigned long long>(*r.missed_deadlines),
-                       static_cast<unsigned long long>(r.summary.ticks)) +
+         return formatted("%llu of %llu", static_cast<unsigned long long>(*r.missed_deadlines),
+                          static_cast<unsigned long long>(r.summary.ticks)) +
                 (r.tick_times ? late_causes_text(*r.tick_times) : std::string());
        }},
       {"tick p50 / p99 / max",
        [](const Run& r) {
          const StepTimes& s = r.summary.step_ns;
-         return format("%.2f / %.2f / %.2f us", 1e-3 * static_cast<double>(s.p50_ns),
-                       1e-3 * static_cast<double>(s.p99_ns), 1e-3 * static_cast<double>(s.max_ns));
+         return formatted("%.2f / %.2f / %.2f us", 1e-3 * static_cast<double>(s.p50_ns),
+                          1e-3 * static_cast<double>(s.p99_ns),
+                          1e-3 * static_cast<double>(s.max_ns));
        }},
       {"faults", [](const Run& r) { return faults_text(r.summary); }},
       {"A4 turned the scene in",
        [](const Run& r) {
-         return format("%llu ticks", static_cast<unsigned long long>(r.summary.a4_ticks));
+         return formatted("%llu ticks", static_cast<unsigned long long>(r.summary.a4_ticks));
        }},
   };
   for (const std::string& effect : scene.effects().effects) {
@@ -184,7 +183,7 @@ ordered_json pose_json(const SceneStatistics& s) {
 }
 
 std::string vector_text(const Vec3& v) {
-  return format("(%.6g, %.6g, %.6g)", v.x(), v.y(), v.z());
+  return formatted("(%.6g, %.6g, %.6g)", v.x(), v.y(), v.z());
 }
 
 std::string contours_text(const Scene& scene) {
@@ -199,10 +198,10 @@ std::string contours_text(const Scene& scene) {
     if (c.curves == 0) {
       text += ": none\n";
     } else if (c.curves == 1) {
-      text += format(": %.6g m, %s\n", c.longest_m, c.is_closed ? "closed" : "open");
+      text += formatted(": %.6g m, %s\n", c.longest_m, c.is_closed ? "closed" : "open");
     } else {
-      text += format(": %zu curves, the longest %.6g m, %s\n", c.curves, c.longest_m,
-                     c.is_closed ? "closed" : "open");
+      text += formatted(": %zu curves, the longest %.6g m, %s\n", c.curves, c.longest_m,
+                        c.is_closed ? "closed" : "open");
     }
   }
   return text;
@@ -360,26 +359,28 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   const SceneStatistics& s = scene.statistics();
   const CleaningReport& c = s.cleaning;
   std::string text = printable(path) + "\n";
-  text += format("  nodes %zu, meshes %zu, instances %zu, indices %zu\n", s.nodes, s.meshes,
-                 s.instances, s.indices);
+  text += formatted("  nodes %zu, meshes %zu, instances %zu, indices %zu\n", s.nodes, s.meshes,
+                    s.instances, s.indices);
+  text += formatted(
+      "  triangles %zu of %zu (%zu without area and %zu duplicates dropped), %zu placed\n",
+      c.triangles, c.triangles_in, c.dropped_degenerate, c.dropped_duplicate,
+      s.instanced_triangles);
   text +=
-      format("  triangles %zu of %zu (%zu without area and %zu duplicates dropped), %zu placed\n",
-             c.triangles, c.triangles_in, c.dropped_degenerate, c.dropped_duplicate,
-             s.instanced_triangles);
-  text += format("  vertices %zu, split for OpenMesh %zu\n", c.welded_vertices, c.split_vertices);
-  text += format("  edges: %zu on a boundary, %zu non-manifold\n", c.boundary_edges,
-                 c.non_manifold_edges);
-  text += format("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
+      formatted("  vertices %zu, split for OpenMesh %zu\n", c.welded_vertices, c.split_vertices);
+  text += formatted("  edges: %zu on a boundary, %zu non-manifold\n", c.boundary_edges,
+                    c.non_manifold_edges);
+  text +=
+      formatted("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
   text += "  bounding box " + vector_text(s.bounds_scene.low) + " to " +
           vector_text(s.bounds_scene.high) + " m, centre " +
           vector_text(centre_of(s.bounds_scene)) + " m\n";
   text += contours_text(scene);
   text += animations_text(s);
   text += declarations_text(scene);
-  text += format("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f\n", load_ms(s), s.parse_ms,
-                 s.mesh_ms, s.index_ms);
+  text += formatted("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f\n", load_ms(s),
+                    s.parse_ms, s.mesh_ms, s.index_ms);
   text += memory_text(s);
-  if (s.scale != 1.0) text += format("  scale %.6g\n", s.scale);
+  if (s.scale != 1.0) text += formatted("  scale %.6g\n", s.scale);
   for (const std::string& note : s.notes) text += "  " + printable(note) + "\n";
   for (const std::string& warning : s.warnings) {
     text += "  warning: " + printable(warning) + "\n";
@@ -389,34 +390,34 @@ std::string scene_text(const std::string& path, const Scene& scene) {
 
 std::string summary_text(const RunSummary& s, const Scene& scene) {
   std::string text = chosen_pose_text(scene, "  ");
-  text += format("  ticks %llu, in contact %llu, losses of contact %llu\n",
-                 static_cast<unsigned long long>(s.ticks),
-                 static_cast<unsigned long long>(s.contact_ticks),
-                 static_cast<unsigned long long>(s.losses_of_contact));
-  text += format("  penetration mean %.4g mm, max %.4g mm\n", 1e3 * s.mean_penetration_m,
-                 1e3 * s.max_penetration_m);
-  text += format("  contact angle mean %.2f deg, within 30 deg %.1f %%\n", s.mean_contact_angle_deg,
-                 100 * s.share_within_30deg);
-  text += format("  work of missing motors %.4g mJ, energy returned by the device %.4g mJ\n",
-                 1e3 * s.work_lost_J, 1e3 * s.port_work_J);
-  text += format("  tick p50 %lld ns, p99 %lld ns, max %lld ns\n",
-                 static_cast<long long>(s.step_ns.p50_ns), static_cast<long long>(s.step_ns.p99_ns),
-                 static_cast<long long>(s.step_ns.max_ns));
+  text += formatted("  ticks %llu, in contact %llu, losses of contact %llu\n",
+                    static_cast<unsigned long long>(s.ticks),
+                    static_cast<unsigned long long>(s.contact_ticks),
+                    static_cast<unsigned long long>(s.losses_of_contact));
+  text += formatted("  penetration mean %.4g mm, max %.4g mm\n", 1e3 * s.mean_penetration_m,
+                    1e3 * s.max_penetration_m);
+  text += formatted("  contact angle mean %.2f deg, within 30 deg %.1f %%\n",
+                    s.mean_contact_angle_deg, 100 * s.share_within_30deg);
+  text += formatted("  work of missing motors %.4g mJ, energy returned by the device %.4g mJ\n",
+                    1e3 * s.work_lost_J, 1e3 * s.port_work_J);
+  text += formatted(
+      "  tick p50 %lld ns, p99 %lld ns, max %lld ns\n", static_cast<long long>(s.step_ns.p50_ns),
+      static_cast<long long>(s.step_ns.p99_ns), static_cast<long long>(s.step_ns.max_ns));
   text += "  faults: " + faults_text(s) + "\n";
   for (const std::string& effect : scene.effects().effects) {
     text += "  " + effect + " active in " + effect_use_text(s, effect) + "\n";
   }
-  text +=
-      format("  A4 turned the scene in %llu ticks\n", static_cast<unsigned long long>(s.a4_ticks));
+  text += formatted("  A4 turned the scene in %llu ticks\n",
+                    static_cast<unsigned long long>(s.a4_ticks));
   return text;
 }
 
 std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene) {
   constexpr int kNameWidth = 29;
   constexpr int kValueWidth = 24;
-  std::string text = format("%-*s", kNameWidth, "");
+  std::string text = formatted("%-*s", kNameWidth, "");
   for (const ExplorationRun& run : runs) {
-    text += format("  %*s", kValueWidth, run.a4 ? "with A4" : "without A4");
+    text += formatted("  %*s", kValueWidth, run.a4 ? "with A4" : "without A4");
   }
   text += "\n";
   std::vector<Line> lines = run_lines(scene);
@@ -425,9 +426,9 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
     lines.insert(lines.begin(), {"interrupted", interruption_text});
   }
   for (const Line& line : lines) {
-    text += format("%-*s", kNameWidth, line.name.c_str());
+    text += formatted("%-*s", kNameWidth, line.name.c_str());
     for (const ExplorationRun& run : runs) {
-      text += format("  %*s", kValueWidth, line.value(run).c_str());
+      text += formatted("  %*s", kValueWidth, line.value(run).c_str());
     }
     text += "\n";
   }

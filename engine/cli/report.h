@@ -19,6 +19,9 @@ nlohmann::ordered_json summary_json(const RunSummary& summary, const Scene& scen
 // Without a path, the keys about the path and the judgement are left out.
 nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);
 
+// "3 too_far, 1 governor_slew": how many ticks had each fault; "none" if no tick had one.
+std::string faults_text(const RunSummary& summary);
+
 std::string scene_text(const std::string& path, const Scene& scene);
 std::string summary_text(const RunSummary& summary, const Scene& scene);
 // A table with one column per run. A run without a path, that of a person, has no line about it.

@@ -30,7 +30,6 @@ namespace palpate {
 namespace {
 
 constexpr int kTripped = 3;
-constexpr std::uint64_t kMostCpu = 1023;
 
 // They describe the simulated hand and the device that it holds.
 constexpr std::array kHandOptions = {
@@ -86,7 +85,14 @@ nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const Device
   if (!recordings.empty()) json["recordings"] = recording_json(recordings);
   json["runs"] = {run_json(shown, prepared.scene)};
   json["runs"][0]["reached_timing"] = reached_timing_json(prepared.setup, run.tick_times);
+  json["runs"][0]["reached_timing_ends_at"] = "driver";  // without the line to the device
   return json;
+}
+
+std::string timing_text(const RunSetup& setup, const TickTimes& times) {
+  const std::string reached = reached_timing_text(setup, times);
+  if (reached.empty()) return reached;
+  return reached + "that delay ends at the driver; these limits leave out the line to the device\n";
 }
 
 // What ended the run before its time; empty if nothing did.
@@ -111,9 +117,8 @@ int report_run(const RunRequest& request, const PreparedRun& prepared, const Dev
   } else {
     const std::string workspace = device_workspace_text(request.options.settings.device);
     std::cout << ending << run_heading(request, prepared, workspace)
-              << runs_text({shown}, prepared.scene)
-              << reached_timing_text(prepared.setup, run.tick_times) << device_text(facts, run)
-              << "trace in " << request.out_dir << "/\n";
+              << runs_text({shown}, prepared.scene) << timing_text(prepared.setup, run.tick_times)
+              << device_text(facts, run) << "trace in " << request.out_dir << "/\n";
     for (const RecordingResult& recording : recordings) std::cout << recording_text(recording);
   }
   const int code = finish_output(warnings);
@@ -168,8 +173,7 @@ void add_motors(CLI::App& app, DeviceRequest& device) {
                "run a device that keeps its last force also where the system refuses SCHED_FIFO; "
                "trips are possible on a busy machine")
       ->group(kMotorGroup);
-  add_integer(app, "--cpu", device.cpu, {0, kMostCpu}, "the CPU on which the haptic thread stays")
-      ->group(kMotorGroup);
+  add_cpu(app, device.cpu)->group(kMotorGroup);
   app.add_flag("--no-guard", device.no_guard,
                "for tests: start no process that stops the motors when the program hangs or ends")
       ->group(kMotorGroup);

@@ -136,6 +136,11 @@ void add_rotation(CLI::App& app, RunSettings& settings) {
       ->group(kA4Group);
 }
 
+CLI::Option* add_cpu(CLI::App& app, std::optional<std::uint64_t>& cpu) {
+  constexpr std::uint64_t kMostCpu = 1023;
+  return add_integer(app, "--cpu", cpu, {0, kMostCpu}, "the CPU on which the haptic thread stays");
+}
+
 void add_output(CLI::App& app, RunSettings& settings, bool& json) {
   app.add_flag("--json", json, "print the results as JSON")->group(kOutputGroup);
   app.add_flag("--effect-times", settings.effect_times,

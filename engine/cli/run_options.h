@@ -2,6 +2,8 @@
 
 // The options of a run that the commands `run`, `replay` and `accuracy` share.
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,6 +37,8 @@ std::vector<CLI::Option*> add_mechanics(CLI::App& app, DeviceDescription& device
 void add_touch(CLI::App& app, RunSettings& settings);
 // Adds --table1 and --a4-step. Call this function after --a4 has been added.
 void add_rotation(CLI::App& app, RunSettings& settings);
+// Adds --cpu, which has no group yet.
+CLI::Option* add_cpu(CLI::App& app, std::optional<std::uint64_t>& cpu);
 void add_output(CLI::App& app, RunSettings& settings, bool& json);
 
 // Parses the texts and checks that all numbers are finite and in range. An Error names the option,

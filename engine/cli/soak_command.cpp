@@ -1,6 +1,5 @@
 // The subcommand `soak`: runs the haptic thread for a long time, and reports late ticks and memory.
 
-#include <cstdio>
 #include <iostream>
 #include <sstream>
 #include <string>
@@ -12,6 +11,7 @@
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/effects_report.h"
+#include "engine/cli/formatted.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/program_signals.h"
@@ -26,35 +26,27 @@ namespace palpate {
 namespace {
 
 constexpr double kMostMinutes = 60.0 * 24.0;
-constexpr std::uint64_t kLastCpu = 1023;
 constexpr const char* kReportName = "soak.txt";
 constexpr const char* kJsonName = "soak.json";
 constexpr const char* kCpuTimesName = "cpu_ns.u32";
 
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  char text[200];
-  std::snprintf(text, sizeof text, pattern, args...);
-  return text;
-}
-
 std::string times_line(const char* name, const TimeHistogram& times) {
   const auto us = [](std::int64_t ns) { return 1e-3 * static_cast<double>(ns); };
-  return format("%-34s %10.1f %10.1f %10.1f %10.1f\n", name, us(times.percentile_ns(0.5)),
-                us(times.percentile_ns(0.99)), us(times.percentile_ns(0.999)),
-                us(times.largest_ns()));
+  return formatted("%-34s %10.1f %10.1f %10.1f %10.1f\n", name, us(times.percentile_ns(0.5)),
+                   us(times.percentile_ns(0.99)), us(times.percentile_ns(0.999)),
+                   us(times.largest_ns()));
 }
 
 std::string late_ticks_text(const SoakRun& run) {
   const TickTimes& times = run.tick_times;
   std::string text =
-      format("late ticks: %llu of %llu", static_cast<unsigned long long>(times.all_late_ticks()),
-             static_cast<unsigned long long>(run.summary.ticks)) +
+      formatted("late ticks: %llu of %llu", static_cast<unsigned long long>(times.all_late_ticks()),
+                static_cast<unsigned long long>(run.summary.ticks)) +
       late_causes_text(times) + "\n";
   if (times.all_late_ticks() == 0) return text;
   const TickCost& longest = times.longest;
   const std::string_view cause = kLateCauseNames[static_cast<std::size_t>(cause_of(longest))];
-  return text + format(
+  return text + formatted(
                     "longest: %.3f ms after its due time (%s), of which %.3f ms before its "
                     "start; CPU time %.1f us\n",
                     1e-6 * static_cast<double>(longest.late_ns + longest.wall_ns),
@@ -66,7 +58,7 @@ std::string memory_text(const SoakRun& run) {
   const auto grown = [](std::int64_t from, std::int64_t to) {
     return static_cast<long long>(to - from);
   };
-  return format(
+  return formatted(
       "memory after the first second: heap %+lld bytes, resident %+lld bytes; page faults "
       "of the haptic thread %lld\n",
       grown(run.memory_at_start.heap, run.memory_at_end.heap),
@@ -74,33 +66,34 @@ std::string memory_text(const SoakRun& run) {
       static_cast<long long>(run.tick_times.faults));
 }
 
-std::string touch_text(const RunSummary& s) {
-  std::string faults;
-  for (std::size_t i = 0; i < s.faults.size(); ++i) {
-    if (s.faults[i] == 0) continue;
-    faults += (faults.empty() ? "" : ", ") + std::string(kFaultNames[i]) + " " +
-              std::to_string(s.faults[i]);
+std::string touch_text(const RunSummary& s, const Scene& scene) {
+  std::string effects;
+  for (const std::string& effect : scene.effects().effects) {
+    effects += effect + " active in " + effect_use_text(s, effect) + "\n";
   }
-  return format("in contact %.1f %%, %llu losses of contact, A4 turned the scene in %llu ticks\n",
-                100.0 * s.contact_share(), static_cast<unsigned long long>(s.losses_of_contact),
-                static_cast<unsigned long long>(s.a4_ticks)) +
-         "faults: " + (faults.empty() ? "none" : faults) + "\n";
+  return formatted(
+             "in contact %.1f %%, %llu losses of contact, A4 turned the scene in %llu ticks\n",
+             100.0 * s.contact_share(), static_cast<unsigned long long>(s.losses_of_contact),
+             static_cast<unsigned long long>(s.a4_ticks)) +
+         effects + "faults: " + faults_text(s) + "\n";
 }
 
-std::string soak_text(const SoakRun& run, const RunSetup& setup) {
+std::string soak_text(const SoakRun& run, const PreparedRun& prepared) {
+  const RunSetup& setup = prepared.setup;
   const TickTimes& times = run.tick_times;
-  std::string text = format("%-34s %10s %10s %10s %10s\n", "us", "50 %", "99 %", "99.9 %", "worst");
+  std::string text =
+      formatted("%-34s %10s %10s %10s %10s\n", "us", "50 %", "99 %", "99.9 %", "worst");
   text += times_line("start after due time", times.late);
   text += times_line("period", times.period);
   text += times_line("reading the device to command", times.delay);
   text += times_line("loop", times.step);
   text += times_line("CPU time of a tick, hand included", times.cpu);
-  text += format("worst CPU time: %.2f %% of the period\n",
-                 1e-7 * static_cast<double>(times.cpu.largest_ns()) / setup.dt_s);
+  text += formatted("worst CPU time: %.2f %% of the period\n",
+                    1e-7 * static_cast<double>(times.cpu.largest_ns()) / setup.dt_s);
   text += late_ticks_text(run) + reached_timing_text(setup, times);
-  text += format("ticks with a number that is not finite: %llu\n",
-                 static_cast<unsigned long long>(run.ticks_not_finite));
-  return text + memory_text(run) + touch_text(run.summary);
+  text += formatted("ticks with a number that is not finite: %llu\n",
+                    static_cast<unsigned long long>(run.ticks_not_finite));
+  return text + memory_text(run) + touch_text(run.summary, prepared.scene);
 }
 
 nlohmann::ordered_json memory_json(const ProcessMemory& memory) {
@@ -184,8 +177,7 @@ CLI::App* SoakCommand::add_to(CLI::App& program) {
       ->group(kHandGroup);
   add_integer(app, "--seed", request_.exploration.seed, {}, "seed of the hand's noise and walk")
       ->group(kHandGroup);
-  add_integer(app, "--cpu", cpu_, {0, kLastCpu}, "the CPU on which the haptic thread stays")
-      ->group(kHandGroup);
+  add_cpu(app, cpu_)->group(kHandGroup);
   add_touch(app, settings);
   add_choice<bool>(app, "--a4", settings.a4, {{"on", true}, {"off", false}}, "on",
                    "turn the scene while in contact")
@@ -206,17 +198,17 @@ std::string SoakCommand::heading(const PreparedRun& prepared, const SoakRun& run
   std::ostringstream workspace;
   workspace << workspace_extent_m(prepared.setup.device) << " m along each sensed axis";
   std::string text = run_heading(request_, prepared, workspace.str());
-  text +=
-      format("%.6g Hz for %.6g min, A4 %s, SCHED_FIFO %s, memory %s\n", 1.0 / prepared.setup.dt_s,
-             minutes_, prepared.setup.haptics.a4.enabled ? "on" : "off",
-             run.realtime.fifo_priority ? "granted" : "refused",
-             run.realtime.locked_memory ? "locked" : "not locked");
+  text += formatted("%.6g Hz for %.6g min, A4 %s, SCHED_FIFO %s, memory %s\n",
+                    1.0 / prepared.setup.dt_s, minutes_,
+                    prepared.setup.haptics.a4.enabled ? "on" : "off",
+                    run.realtime.fifo_priority ? "granted" : "refused",
+                    run.realtime.locked_memory ? "locked" : "not locked");
   if (run.interrupted) text += "interrupted; the report covers the ticks until then\n";
   return text;
 }
 
 int SoakCommand::report(const PreparedRun& prepared, const SoakRun& run, OutputFiles& files) const {
-  const std::string text = heading(prepared, run) + soak_text(run, prepared.setup);
+  const std::string text = heading(prepared, run) + soak_text(run, prepared);
   const nlohmann::ordered_json json = soak_json(run, prepared);
   for (const auto& [name, content] :
        {std::pair{kReportName, text}, std::pair{kJsonName, json.dump(2) + "\n"},

@@ -1,10 +1,10 @@
 #include "engine/cli/tick_times_report.h"
 
-#include <cstdio>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
 
+#include "engine/cli/formatted.h"
 #include "engine/session/reached_timing.h"
 
 namespace palpate {
@@ -85,14 +85,11 @@ std::string reached_timing_text(const RunSetup& setup, const TickTimes& times) {
   if (times.period.count() == 0) return {};
   const auto timing = reached_timing(setup, times);
   if (!timing) return {};
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "at the period and the delay that 99.9 %% of the ticks kept (%.3f ms, %.1f us), a "
-                "wall is passive up to %.0f N/m and stable below %.0f N/m\n",
-                1e-6 * static_cast<double>(timing->period_ns),
-                1e-3 * static_cast<double>(timing->delay_ns), timing->limits.passive_N_per_m,
-                timing->limits.stable_N_per_m);
-  return text;
+  return formatted(
+      "at the period and the delay that 99.9 %% of the ticks kept (%.3f ms, %.1f us), a "
+      "wall is passive up to %.0f N/m and stable below %.0f N/m\n",
+      1e-6 * static_cast<double>(timing->period_ns), 1e-3 * static_cast<double>(timing->delay_ns),
+      timing->limits.passive_N_per_m, timing->limits.stable_N_per_m);
 }
 
 }  // namespace palpate

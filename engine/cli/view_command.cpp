@@ -78,6 +78,11 @@ std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
     warn(
         "--listen: others on the network can reach this server; its address and token are not "
         "encrypted");
+    if (request.server.allowed_hosts.empty()) {
+      warn(
+          "--listen: a browser is refused unless it reaches the server as localhost; name the host "
+          "of other addresses with --allow-host");
+    }
   }
   (*server)->start();
   if (auto error = session.start()) return error;

@@ -6,7 +6,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <ctime>
 
 namespace palpate {
 
@@ -18,14 +17,8 @@ inline constexpr int kGuardSocket = 3;  // the descriptor of the socket in the g
 inline constexpr int kGuardPriority = 81;
 inline constexpr std::int64_t kGuardWakeNs = 50'000'000;  // an armed guard wakes at least so often
 
-// The time on the clock of all times in this header, ns. Not a system call on common processors.
-inline std::int64_t guard_clock_ns() noexcept {
-  timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
-}
-
-// Two processes share these variables. Times in ns. A trip has a number, its epoch.
+// Two processes share these variables. Times are those of monotonic_ns(). A trip has a number, its
+// epoch.
 struct GuardMemory {
   std::uint32_t magic = kGuardMagic;
   std::uint32_t version = kGuardVersion;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/devices/guard_memory.h"
+#include "engine/devices/monotonic_clock.h"
 #include "engine/devices/write_guard.h"
 #include "geometry/base/result.h"
 
@@ -52,13 +53,13 @@ class MotorGuard final : public WriteGuard {
   std::optional<Error> disarm();
 
   void beat(std::int64_t tick_ns, std::int64_t now_ns) noexcept override;
-  void beat(std::int64_t tick_ns) noexcept { beat(tick_ns, guard_clock_ns()); }
+  void beat(std::int64_t tick_ns) noexcept { beat(tick_ns, monotonic_ns()); }
   // The driver looks at the epoch before each write, so this call also tells the guard that the
   // driver has seen the epoch.
   std::uint64_t trip_epoch() const noexcept override;
   void acknowledge(std::uint64_t epoch) noexcept override;
   bool is_alive(std::int64_t now_ns) const noexcept override;
-  bool is_alive() const noexcept { return is_alive(guard_clock_ns()); }
+  bool is_alive() const noexcept { return is_alive(monotonic_ns()); }
   bool is_quiet() const noexcept override;
 
   // Whether the guard runs with SCHED_FIFO. If not, the guard may be late on a busy machine.

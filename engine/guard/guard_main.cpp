@@ -37,6 +37,7 @@
 #include <unistd.h>
 
 #include "engine/devices/guard_memory.h"
+#include "engine/devices/monotonic_clock.h"
 
 namespace palpate {
 namespace {
@@ -124,7 +125,7 @@ class Guard {
   // Returns when the guard has nothing to guard any more.
   void run() {
     while (duty_ != Duty::kEnded) {
-      const std::int64_t now_ns = guard_clock_ns();
+      const std::int64_t now_ns = monotonic_ns();
       memory_.guard_ns.store(now_ns, std::memory_order_release);
       wait_until(step(now_ns));
     }
@@ -220,7 +221,7 @@ class Guard {
     if (duty_ == Duty::kLast) return;
     is_one_zero_enough_ = !is_armed();
     duty_ = Duty::kLast;
-    since_ns_ = guard_clock_ns();
+    since_ns_ = monotonic_ns();
     memory_.trip_epoch.fetch_add(1, std::memory_order_acq_rel);
     final_zero_ = writer_.completed() + 1;
     writer_.restart();
@@ -240,7 +241,7 @@ class Guard {
   void wait_until(std::int64_t wake_ns) {
     const bool is_last = duty_ == Duty::kLast;
     std::array<pollfd, 2> watched = {{{orders_.engine, POLLIN, 0}, {kGuardSocket, POLLIN, 0}}};
-    const std::int64_t wait_ns = std::max<std::int64_t>(0, wake_ns - guard_clock_ns());
+    const std::int64_t wait_ns = std::max<std::int64_t>(0, wake_ns - monotonic_ns());
     const timespec wait{wait_ns / 1'000'000'000, wait_ns % 1'000'000'000};
     if (duty_ == Duty::kEnded) return;
     if (ppoll(watched.data(), is_last ? 0 : watched.size(), &wait, nullptr) <= 0) return;
@@ -264,9 +265,9 @@ class Guard {
     if (!is_armed()) {
       duty_ = Duty::kIdle;
     } else if (duty_ == Duty::kIdle) {
-      begin_watch(guard_clock_ns());
+      begin_watch(monotonic_ns());
     }
-    memory_.guard_ns.store(guard_clock_ns(), std::memory_order_release);
+    memory_.guard_ns.store(monotonic_ns(), std::memory_order_release);
     send(kGuardSocket, &bell, 1, MSG_DONTWAIT | MSG_NOSIGNAL);
   }
 
@@ -368,7 +369,7 @@ int run_guard() {
   }
   set_scheduling(word);
   memory->guard_pid.store(getpid(), std::memory_order_relaxed);
-  memory->guard_ns.store(guard_clock_ns(), std::memory_order_relaxed);
+  memory->guard_ns.store(monotonic_ns(), std::memory_order_relaxed);
   memory->is_guard_alive.store(1, std::memory_order_release);
   if (!send_word(word)) return 2;
   Guard(orders, *memory).run();

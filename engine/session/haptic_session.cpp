@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "engine/session/monotonic_clock.h"
+#include "engine/devices/monotonic_clock.h"
 
 namespace palpate {
 HapticSession::HapticSession(HapticLoop& loop, Device& device, SessionParts parts)
@@ -75,7 +75,9 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
 void HapticSession::rest(double dt_s) noexcept {
   device_.read(dt_s);
   device_.command({});
+  governor_->pause();
   last_step_ns_ = 0;
+  last_delay_ns_ = 0;
   ++session_ticks_;
   ++paused_ticks_;
 }

@@ -85,7 +85,7 @@ class HapticSession {
   std::optional<std::string> start();
 
   // See HapticLoop::warm_up(). Call it before the first tick.
-  void warm_up() const { loop_.warm_up(); }
+  void warm_up() const noexcept { loop_.warm_up(); }
 
   // Runs one tick. Does nothing before start() and after stop(). dt_s: the nominal time since the
   // last tick. late_ns: how long ago this tick was due; it is stored in the record. now_ns: the
@@ -107,16 +107,19 @@ class HapticSession {
   // the last tick; 0 in simulated time. Call it on the haptic thread.
   std::int64_t last_delay_ns() const noexcept { return last_delay_ns_; }
   // While a session is paused, a tick reads the device and commands zero force, and does nothing
-  // else: the scene, the contact and the newest record stay. After a pause that is longer than
-  // GovernorLimits::kLateRestart_s, a device that moves motors begins with the governor's rule
-  // *start*. Any thread may call this function.
+  // else: the scene, the contact and the newest record stay. After a pause, a device that moves
+  // motors begins with the governor's rule *start*. Any thread may call this function.
   void set_paused(bool paused) noexcept { is_paused_.store(paused, std::memory_order_relaxed); }
   // Ends a trip of the governor. Any thread may call it between start() and stop().
   void rearm() noexcept {
     if (governor_) wants_rearm_.store(true, std::memory_order_release);
   }
-  // Counts paused ticks that are not run: the replay of a recording. Call it on the haptic thread.
-  void skip_paused(std::uint64_t ticks) noexcept { session_ticks_ += ticks; }
+  // Counts paused ticks that are not run: the replay of a recording. Call it on the haptic thread,
+  // between start() and stop().
+  void skip_paused(std::uint64_t ticks) noexcept {
+    session_ticks_ += ticks;
+    governor_->pause();
+  }
   // The last tick ended after the next one was due. Call it on the haptic thread.
   void report_late(LateCause cause, const TickCost& cost) noexcept {
     if (parts_.sink) parts_.sink->on_late(cause, cost);

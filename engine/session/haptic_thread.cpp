@@ -8,7 +8,7 @@
 #include <time.h>
 #include <utility>
 
-#include "engine/session/monotonic_clock.h"
+#include "engine/devices/monotonic_clock.h"
 
 namespace palpate {
 namespace {

@@ -65,7 +65,7 @@ std::size_t MaterialTuner::block_of(std::uint32_t call) {
   const std::uint16_t effect = program.calls[call].effect;
   const std::size_t bytes = compiled_effects()[effect].parameter_bytes;
   assert(bytes <= kMostBytes);
-  blocks_.push_back({call, effect, {}, 0, std::make_unique<SnapshotRing<Values>>()});
+  blocks_.push_back({call, effect, {}, std::make_unique<Mailbox>()});
   std::copy_n(program.parameters.begin() + program.calls[call].parameters, bytes,
               blocks_.back().set.bytes.begin());
   return blocks_.size() - 1;
@@ -99,19 +99,27 @@ std::optional<Error> MaterialTuner::set(std::size_t handle, double value) {
   for (const std::size_t b : h.blocks) {
     blocks_[b].set.bytes = changed(blocks_[b]);
     ++blocks_[b].set.number;
-    blocks_[b].mailbox->publish(blocks_[b].set);
+    blocks_[b].mailbox->values.publish(blocks_[b].set);
   }
   return std::nullopt;
+}
+
+bool MaterialTuner::is_pending() const {
+  return std::any_of(blocks_.begin(), blocks_.end(), [](const Block& block) {
+    return block.mailbox->applied.load(std::memory_order_acquire) != block.set.number;
+  });
 }
 
 void MaterialTuner::before_tick(double /*time_s*/, LoopChanges loop) noexcept {
   for (Block& block : blocks_) {
     Values values;
-    if (!block.mailbox->read(values) || values.number == block.applied) continue;
-    block.applied = values.number;
+    std::atomic<std::uint64_t>& applied = block.mailbox->applied;
+    if (!block.mailbox->values.read(values)) continue;
+    if (values.number == applied.load(std::memory_order_relaxed)) continue;
     loop.set_effect_parameters(
         block.call,
         std::span(values.bytes).first(compiled_effects()[block.effect].parameter_bytes));
+    applied.store(values.number, std::memory_order_release);
   }
 }
 

@@ -3,6 +3,7 @@
 // Changes material parameters during a session.
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -44,6 +45,10 @@ class MaterialTuner final : public BeforeTick {
   // set(), even if the handles differ. Wait-free, except that an error allocates.
   std::optional<Error> set(std::size_t handle, double value);
 
+  // Whether the haptic thread has not yet applied what was set. The thread that calls set() may
+  // call it.
+  bool is_pending() const;
+
   // Called on the haptic thread before a tick.
   void before_tick(double time_s, LoopChanges loop) noexcept override;
 
@@ -55,12 +60,15 @@ class MaterialTuner final : public BeforeTick {
     std::uint64_t number = 0;  // counts the calls of set()
     alignas(double) std::array<std::byte, kMostBytes> bytes{};
   };
+  struct Mailbox {
+    SnapshotRing<Values> values;
+    std::atomic<std::uint64_t> applied{0};  // last Values::number that the haptic thread applied
+  };
   struct Block {
     std::uint32_t call;
     std::uint16_t effect;
-    Values set;                 // last values of the application
-    std::uint64_t applied = 0;  // last Values::number that the haptic thread applied
-    std::unique_ptr<SnapshotRing<Values>> mailbox;
+    Values set;  // last values of the application
+    std::unique_ptr<Mailbox> mailbox;
   };
   struct Handle {
     std::string material;

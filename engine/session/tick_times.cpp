@@ -8,7 +8,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-#include "engine/session/monotonic_clock.h"
+#include "engine/devices/monotonic_clock.h"
 
 namespace palpate {
 namespace {

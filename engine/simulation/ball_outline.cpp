@@ -23,7 +23,7 @@ constexpr double kCoarseLegRad = std::numbers::pi / 8;
 
 // The part of an outline that the ball touches while its centre is on a leg of the offset curve.
 enum class Touched : std::uint8_t { kSegment, kCorner, kNothing };
-struct Touch {
+struct FirstTouch {
   Touched what;
   Vec3 corner_m;  // kCorner
   Vec3 outward;   // kSegment: unit
@@ -118,7 +118,7 @@ class BallRoller {
   // The offset curve follows an arc around a convex corner and passes through a concave corner;
   // then it follows the next segment.
   void add_corner(const Vec3& corner_m, const Vec3& before, const Vec3& after, Polyline& offset) {
-    const auto add_leg = [&](const Vec3& from, const Touch& touch) {
+    const auto add_leg = [&](const Vec3& from, const FirstTouch& touch) {
       offset.points_m.push_back(from);
       touches_.back().push_back(touch);
     };
@@ -157,7 +157,7 @@ class BallRoller {
   }
 
   Vec3 place(const ChainPoint& on, const Vec3& centre_m) const {
-    const Touch& touch = touches_[on.curve][on.segment];
+    const FirstTouch& touch = touches_[on.curve][on.segment];
     return touch.what == Touched::kSegment ? Vec3(centre_m - radius_m_ * touch.outward)
                                            : touch.corner_m;
   }
@@ -179,7 +179,7 @@ class BallRoller {
   double radius_m_;
   double leg_rad_;
   std::vector<Polyline> offset_;
-  std::vector<std::vector<Touch>> touches_;  // by curve and segment
+  std::vector<std::vector<FirstTouch>> touches_;  // by curve and segment
 };
 
 // Arcs of a ball that bridges a gap from both sides may cross. Returns the outlines of the union of

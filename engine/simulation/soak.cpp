@@ -41,6 +41,7 @@ class Counter final : public TickObserver {
  public:
   void on_tick(const TickRecord& record) noexcept override {
     summary_.add(record);
+    step_ns_ += record.step_ns;
     if (!is_finite(record)) ++ticks_not_finite_;
   }
   void on_trip(const GovernorTrip& trip) noexcept override { summary_.add(trip); }
@@ -48,10 +49,12 @@ class Counter final : public TickObserver {
     run.summary = summary_.finish({});
     run.ticks_not_finite = ticks_not_finite_;
   }
+  std::int64_t step_ns() const { return step_ns_; }  // of all ticks
 
  private:
   SummaryAccumulator summary_;
   std::uint64_t ticks_not_finite_ = 0;
+  std::int64_t step_ns_ = 0;
 };
 
 std::optional<Error> check_length(double seconds, double dt_s) {
@@ -122,6 +125,8 @@ Result<SoakRun> soak(const Scene& scene, const RunSetup& setup, const SoakSettin
   watch(thread, ticks, setup.dt_s, progress, stop, run);
   thread.stop();
   counter.move_to(run);
+  take_effects((*session)->loop(), setup.haptics.measures_effects, {counter.step_ns()},
+               run.summary);
   run.tick_times = thread.times();
   run.interrupted = run.summary.ticks < ticks;
   run.cpu_ns.resize(std::min<std::uint64_t>(run.cpu_ns.size(), run.summary.ticks));

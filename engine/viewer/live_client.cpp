@@ -14,7 +14,8 @@ namespace {
 namespace websocket = beast::websocket;
 
 constexpr std::size_t kSendBufferBytes = 64 * 1024;
-constexpr std::uint16_t kNoToken = 4401;
+constexpr std::uint16_t kLateToken = 4408;  // a page that is slow may try again
+constexpr auto kPatienceAtClose = std::chrono::seconds(2);
 
 }  // namespace
 
@@ -122,6 +123,7 @@ void LiveClient::close(std::uint16_t code, std::string reason) {
   close_reason_ = websocket::close_reason(websocket::close_code(code), reason);
   is_closing_ = true;
   wants_state_ = wants_ticks_ = false;
+  closed_at_ = std::chrono::steady_clock::now();
   if (!is_open_) return drop();
   write();
 }
@@ -134,8 +136,10 @@ void LiveClient::begin_close() {
 
 void LiveClient::check(std::chrono::steady_clock::time_point now) {
   if (!has_token && now - begin_ > std::chrono::seconds(ServerLimits::kToken_s)) {
-    close(kNoToken, "the first message must be the token");
+    close(kLateToken, "the token did not come in time");
   }
+  // A client that does not read never sees that it is closed.
+  if (is_closing_ && now - closed_at_ > kPatienceAtClose) return drop();
   const std::uint64_t read_bytes = socket_.next_layer().rate_policy().read_bytes();
   if (read_bytes - bytes_at_message_ > ServerLimits::kUnfinishedBytes) drop();
 }

@@ -56,7 +56,8 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   void want_ticks();
   // Sends the texts that wait, then closes with this code. Further calls are ignored.
   void close(std::uint16_t code, std::string reason);
-  // Closes a client that is late: it has not sent its token, or sends what is no message.
+  // Closes a client that is late: it has not sent its token, sends what is no message, or does not
+  // read that it was closed.
   void check(std::chrono::steady_clock::time_point now);
   // Closes the socket at once.
   void drop();
@@ -93,7 +94,8 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   bool has_ended_ = false;
   std::optional<beast::websocket::close_reason> close_reason_;
   std::chrono::steady_clock::time_point begin_;
-  std::uint64_t bytes_at_message_ = 0;  // read by the end of the last whole message
+  std::chrono::steady_clock::time_point closed_at_;  // if is_closing_
+  std::uint64_t bytes_at_message_ = 0;               // read by the end of the last whole message
 };
 
 }  // namespace palpate

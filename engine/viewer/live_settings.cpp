@@ -144,6 +144,11 @@ void LiveSettings::before_tick(double /*time_s*/, LoopChanges loop) noexcept {
   is_taken_ = false;
   if (!is_new_) return;
   is_new_ = false;
+  apply(loop);
+  applied_.store(taken_.number, std::memory_order_release);
+}
+
+void LiveSettings::apply(LoopChanges loop) const noexcept {
   loop.set_a4(taken_.a4 != 0);
   loop.set_force(static_cast<ForceMode>(taken_.force));
   loop.set_coupling(taken_.stiffness_N_per_m, taken_.damping_Ns_per_m);

@@ -50,6 +50,9 @@ class LiveSettings final : public BeforeTick {
   double most_damping_Ns_per_m() const { return most_damping_Ns_per_m_; }
   const std::vector<Vec3>& axes() const { return axes_; }
 
+  // Whether the haptic thread has not yet applied what was set.
+  bool is_pending() const { return applied_.load(std::memory_order_acquire) != wanted_.number; }
+
   // On the haptic thread: fetches what was set since the last tick. before_tick() calls it in a
   // tick in which the device has not.
   void take() noexcept;
@@ -77,6 +80,7 @@ class LiveSettings final : public BeforeTick {
   std::optional<Error> check_strategy(const char* name) const;
   std::optional<Error> check_coupling(const Values& values) const;
   void find_motors() noexcept;
+  void apply(LoopChanges loop) const noexcept;
 
   const Scene* scene_;
   HapticSettings checked_;  // for check_settings()
@@ -86,6 +90,7 @@ class LiveSettings final : public BeforeTick {
   Values wanted_;
   std::vector<Vec3> axes_;
   std::atomic<std::uint64_t> newest_{0};
+  std::atomic<std::uint64_t> applied_{0};  // Values::number
   SnapshotRing<Values, 8> mailbox_;
 
   // Of the haptic thread.

@@ -62,13 +62,20 @@ void put_column(std::string& out, std::span<const TickSummary> rows, const Value
 
 }  // namespace
 
-void encode_state(const ViewState& state, std::span<const BodyPose> bodies, std::string& out) {
+void encode_state(const ViewState& state, std::span<const BodyPose> bodies, double now_s,
+                  std::string& out) {
   put_head(out, kState);
   put(out, state.flags);
   put(out, state.pointer);
   for (const double x : state.target_m) put(out, x);
+  put(out, now_s);
   put(out, static_cast<std::uint32_t>(sizeof(TickRecord)));
   put(out, static_cast<std::uint32_t>(bodies.size()));
+  put(out, state.axis_count);
+  put(out, std::uint32_t{0});
+  for (const auto& axis : state.axes) {
+    for (const double x : axis) put(out, x);
+  }
   char record[sizeof(TickRecord)];
   std::memcpy(record, &state.record, sizeof record);
   out.append(record, sizeof record);
@@ -121,7 +128,8 @@ Result<PointerMessage> decode_pointer(std::string_view bytes) {
     return refused("kind", "is " + std::to_string(kind) + "; expected 16");
   }
   if (const auto version = number_at<std::uint16_t>(bytes, 2); version != kViewVersion) {
-    return refused("version", "is " + std::to_string(version) + "; expected 1");
+    return refused("version",
+                   "is " + std::to_string(version) + "; expected " + std::to_string(kViewVersion));
   }
   PointerMessage message;
   message.holds = (number_at<std::uint32_t>(bytes, 4) & 1u) != 0;

@@ -3,10 +3,11 @@
 // The binary messages between the server of `view` and its page. Numbers are little-endian; floats
 // are IEEE 754. Pure functions.
 //
-// state, 48 bytes, then the record, then 64 bytes a moving body:
+// state, 136 bytes, then the record, then 64 bytes a moving body:
 //   0 u16 kind 1, 2 u16 version, 4 u32 flags (ViewFlag), 8 u64 sequence of the newest pointer that
-//   the tick used, 16 f64[3] target of the hand (device frame, m), 40 u32 bytes of the record,
-//   44 u32 moving bodies
+//   the tick used, 16 f64[3] target of the hand (device frame, m), 40 f64 when the server encoded
+//   the message (s, on a clock of its own), 48 u32 bytes of the record, 52 u32 moving bodies,
+//   56 u32 actuated axes, 60 u32 0, 64 f64[3][3] a basis of the actuated span (device frame)
 //   a body: 0 u32 number, 4 u32 0, 8 f64[4] q wxyz, 40 f64[3] position m, both T_scene_body
 // ticks, 24 bytes, then seven columns of N f32:
 //   0 u16 kind 2, 2 u16 version, 4 u32 N, 8 f64 base time s, 16 u32 lost ticks, 20 u32 ticks a
@@ -27,7 +28,7 @@
 
 namespace palpate {
 
-inline constexpr int kViewVersion = 1;
+inline constexpr int kViewVersion = 2;
 
 enum ViewFlag : std::uint32_t {
   kHandHasTarget = 1u << 0,
@@ -39,9 +40,10 @@ enum ViewFlag : std::uint32_t {
 struct ViewState {
   TickRecord record;
   std::uint64_t pointer = 0;  // sequence of the newest pointer message that the tick used; 0: none
-  std::array<double, 3> target_m = {};  // device frame
-  std::uint32_t flags = 0;              // ViewFlag bits
-  std::uint32_t unused = 0;
+  std::array<double, 3> target_m = {};             // device frame
+  std::uint32_t flags = 0;                         // ViewFlag bits
+  std::uint32_t axis_count = 0;                    // of the actuated span
+  std::array<std::array<double, 3>, 3> axes = {};  // its basis, device frame
 };
 
 // The pose of a moving body, T_scene_body.
@@ -58,7 +60,9 @@ struct PointerMessage {
   std::array<double, 3> target_m = {};  // finite, device frame
 };
 
-void encode_state(const ViewState& state, std::span<const BodyPose> bodies, std::string& out);
+// now_s: on a clock that runs while the server runs.
+void encode_state(const ViewState& state, std::span<const BodyPose> bodies, double now_s,
+                  std::string& out);
 
 // rows: in the order of time. Rows of more than kMostChartTicksPerSecond ticks a second are
 // thinned: each group of `group` ticks gives the tick with the smallest force and the tick with the

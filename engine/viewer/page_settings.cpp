@@ -204,9 +204,14 @@ Json PageSettings::list() const {
   return list;
 }
 
-Json PageSettings::values() const {
+Json PageSettings::values(const std::optional<LoopValues>& loop) const {
   Json values = Json::object();
   for (const Setting& s : settings_) values[s.name] = s.value();
+  if (!loop) return values;
+  values["a4"] = loop->a4 != 0;
+  values["force"] = kForces[loop->force];
+  values["stiffness"] = loop->stiffness_N_per_m;
+  values["damping"] = loop->damping_Ns_per_m;
   return values;
 }
 

@@ -12,6 +12,7 @@
 #include "engine/session/material_tuner.h"
 #include "engine/viewer/live_settings.h"
 #include "engine/viewer/page_request.h"
+#include "engine/viewer/state_publisher.h"
 
 namespace palpate {
 
@@ -30,8 +31,9 @@ class PageSettings {
 
   // A list of objects with name, label, kind, value, low, high, unit, choices and key.
   nlohmann::ordered_json list() const;
-  // An object of names and values.
-  nlohmann::ordered_json values() const;
+  // An object of names and values: those that were set, or for A4, force, stiffness and damping
+  // those of `loop`, if there are any.
+  nlohmann::ordered_json values(const std::optional<LoopValues>& loop = {}) const;
 
  private:
   // Returns the Error of a refused value.

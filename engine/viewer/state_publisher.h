@@ -17,6 +17,35 @@
 
 namespace palpate {
 
+// What a page shows of the loop's settings. Plain numbers, so that they can be copied bytewise.
+struct LoopValues {
+  double stiffness_N_per_m = 0.0;
+  double damping_Ns_per_m = 0.0;
+  std::uint32_t a4 = 0;
+  std::uint32_t force = 0;                         // ForceMode
+  std::uint32_t axis_count = 0;                    // actuators
+  std::uint32_t sensors = 0;                       // 0: no tick has run
+  std::array<std::array<double, 3>, 3> axes = {};  // a basis of the actuated span, device frame
+
+  static LoopValues of(const HapticLoop& loop) noexcept {
+    const HapticSettings& settings = loop.settings();
+    const ActuationModel& actuation = loop.actuation();
+    LoopValues values;
+    values.stiffness_N_per_m = settings.coupling.stiffness_N_per_m;
+    values.damping_Ns_per_m = settings.coupling.damping_Ns_per_m;
+    values.a4 = settings.a4.enabled ? 1 : 0;
+    values.force = static_cast<std::uint32_t>(settings.force);
+    values.axis_count = static_cast<std::uint32_t>(actuation.actuators());
+    values.sensors = static_cast<std::uint32_t>(actuation.sensors());
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3& axis = actuation.actuated_axis(static_cast<int>(i));
+      values.axes[i] = {axis.x(), axis.y(), axis.z()};
+    }
+    return values;
+  }
+  bool operator==(const LoopValues&) const = default;
+};
+
 // The session publishes the record; this observer adds what the record lacks, in the same tick. A
 // second copy of the record would take most of the time that this observer may use.
 //
@@ -39,6 +68,7 @@ class StatePublisher final : public TickObserver {
                    (plan_->is_held() ? static_cast<std::uint32_t>(kHandIsHeld) : 0u);
     }
     if (bodies_.capacity() > 0) bodies_.publish(record.tick, loop_);
+    if (!(LoopValues::of(loop_) == newest_)) publish_loop();
     hands_.publish(hand);
     ticks_.add(TickSummary::of(record));
   }
@@ -59,6 +89,8 @@ class StatePublisher final : public TickObserver {
     }
     return false;
   }
+  // The settings with which the newest tick ran. Returns false before the first tick.
+  bool loop_values(LoopValues& values) const { return loops_.read(values); }
   std::uint64_t take_ticks(std::vector<TickSummary>& rows) {
     return ticks_.read([&rows](const TickSummary& row) { rows.push_back(row); });
   }
@@ -73,8 +105,15 @@ class StatePublisher final : public TickObserver {
     std::uint32_t unused = 0;
   };
 
+  [[gnu::noinline]] void publish_loop() noexcept {
+    newest_ = LoopValues::of(loop_);
+    loops_.publish(newest_);
+  }
+
   const HapticLoop& loop_;
   const PointerPlan* plan_;
+  LoopValues newest_;
+  SnapshotRing<LoopValues, 8> loops_;
   SnapshotRing<Hand> hands_;
   TickRing<TickSummary> ticks_;
   BodyPoseRing bodies_;

@@ -366,7 +366,8 @@ void ViewServer::Network::look() {
 bool ViewServer::Network::encode_state(LiveClient& client, std::string& out) {
   if (!model_.newest(state_, bodies_)) return false;
   if (in_control_ == &client) client.answered_pointer = state_.pointer;
-  palpate::encode_state(state_, bodies_, out);
+  const double now_s = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+  palpate::encode_state(state_, bodies_, now_s, out);
   return true;
 }
 

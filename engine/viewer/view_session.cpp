@@ -151,6 +151,10 @@ void ViewSession::stop() {
 
 bool ViewSession::newest(ViewState& state, std::vector<BodyPose>& bodies) {
   if (!publisher_.newest(session_, state, bodies)) return false;
+  if (LoopValues loop; publisher_.loop_values(loop)) {
+    state.axis_count = loop.axis_count;
+    state.axes = loop.axes;
+  }
   if (is_paused_) state.flags |= kViewPaused;
   return true;
 }
@@ -219,7 +223,12 @@ std::string ViewSession::status(std::size_t clients) {
   }
   json["clients"] = clients;
   json["paused"] = is_paused_;
-  json["settings"] = page_settings_.values();
+  // What is set while paused, or was set in this moment, is not yet that of the loop.
+  const bool is_pending = live_.is_pending() || tuner_.is_pending();
+  LoopValues loop;
+  const bool has_loop = !is_pending && publisher_.loop_values(loop);
+  json["settings"] = page_settings_.values(has_loop ? std::optional(loop) : std::nullopt);
+  json["pending"] = is_pending;
   return line_of(json);
 }
 

@@ -71,6 +71,12 @@ class Rig {
     return vec3(record.force_device_N);
   }
 
+  // A tick of a paused session.
+  void pause() {
+    now_ns += std::llround(dt_s * 1e9);
+    governor.pause();
+  }
+
   // Lets the rule *start* pass without contact, so that the governor runs.
   void run_in() {
     in_contact = false;
@@ -368,6 +374,41 @@ TEST(SafetyGovernor, ALateTickEasesInAndAVeryLateOneStartsAgain) {
     if (c.is_late && !c.starts) expect_scaled({next_N, 0, 0}, {2.0, 0.0, 0.0}, c.dt_s / 0.1);
     EXPECT_EQ(rig.governor.status().trips, 0u);
   }
+}
+
+// However short a pause is, the next tick has no force, and the force grows by the rule *start*.
+TEST(SafetyGovernor, StartsAgainAfterAPause) {
+  for (const int ticks : {1, 10, 30, 1000}) {
+    Rig rig;
+    rig.run_in();
+    ASSERT_EQ(rig.push({2.0, 0.0, 0.0}).x(), 2.0);
+    rig.position_m.x() = 0.01;
+    for (int n = 0; n < ticks; ++n) rig.pause();
+    EXPECT_EQ(rig.tick({2.0, 0.0, 0.0}), Vec3(Vec3::Zero())) << ticks;
+    EXPECT_EQ(rig.governor.status().state, GovernorState::kWaits);
+    EXPECT_EQ(rules_of(rig.record) & ~std::uint32_t{kRuleStart}, 0u) << "the tick is not late";
+    EXPECT_EQ(rig.governor.status().given_J, 0.0) << "no force was commanded on the way";
+    rig.in_contact = false;
+    int calm = 0;
+    for (; rig.governor.status().state == GovernorState::kWaits && calm < 200; ++calm) {
+      rig.tick(Vec3::Zero());
+    }
+    EXPECT_GE(calm, 100);
+    rig.in_contact = true;
+    EXPECT_LT(rig.tick({2.0, 0.0, 0.0}).x(), 0.01);
+    EXPECT_EQ(rig.push({2.0, 0.0, 0.0}, 500).x(), 2.0);
+  }
+}
+
+TEST(SafetyGovernor, ATripOutlastsAPause) {
+  Rig rig;
+  rig.run_in();
+  rig.asks_for_trip = true;
+  rig.tick({2.0, 0.0, 0.0});
+  rig.asks_for_trip = false;
+  rig.pause();
+  rig.tick({2.0, 0.0, 0.0});
+  EXPECT_EQ(rig.governor.status().state, GovernorState::kTripped);
 }
 
 TEST(SafetyGovernor, FadesTheForceOutsideTheWorkspace) {

@@ -6,7 +6,7 @@ import {
 } from "./protocol.ts";
 
 // Close codes of the server.
-const kWrongToken = 4401;
+const kWrongToken = 4401; // a token that came late has another code, and the page tries again
 const kTooManyPages = 1013;
 const kFirstDelay_ms = 250;
 const kLongestDelay_ms = 2000;

@@ -162,7 +162,9 @@ function numberControl(setting: Setting, key: string | null,
     field.value = String(value);
     set(value);
   };
-  field.onchange = () => set(Number(field.value));
+  field.onchange = () => {
+    if (field.value.trim() !== "") set(Number(field.value)); // else the next status shows the old one
+  };
   return {
     element: box,
     show: (value) => {
@@ -179,7 +181,6 @@ export class SettingControls {
   private readonly values = new Map<string, SettingValue>();
   private readonly pending = new Map<string, number>(); // requests without an answer
   private keysInUse: string[] = [];
-  changed: (name: string, value: SettingValue) => void = () => {};
 
   constructor(
     private readonly main: HTMLElement, private readonly materials: HTMLElement,
@@ -255,9 +256,7 @@ export class SettingControls {
 
   private showOne(name: string, value: SettingValue): void {
     this.controls.get(name)?.show(value);
-    const isNew = JSON.stringify(this.values.get(name)) !== JSON.stringify(value);
     this.values.set(name, value);
-    if (isNew) this.changed(name, value);
   }
 
   private async send(name: string, value: SettingValue): Promise<void> {

@@ -17,6 +17,7 @@ import { View3d } from "./view3d.ts";
 import { length } from "./words.ts";
 
 const kAgeCheck_ms = 50;
+const kRetry_ms = 2000; // until the scene is asked for again
 
 function element<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
@@ -58,9 +59,6 @@ class Page {
       element("settings"), element("materials"), this.keys,
       (name, value) => this.request({ type: "set", name, value }),
       (problem) => this.status.say(problem));
-    this.settings.changed = (name, value) => {
-      if (name === "axes" && this.view) this.view.actuatedAxes = value as number[][];
-    };
     this.connection = this.token ? new Connection(this.token, {
       changed: (state) => this.connectionChanged(state),
       hello: (hello) => this.greet(hello),
@@ -83,6 +81,8 @@ class Page {
 
   private listen(): void {
     addEventListener("keydown", (event) => this.keyDown(event));
+    // The address of a server that was started again, pasted into this tab.
+    addEventListener("hashchange", () => location.reload());
     addEventListener("pagehide", () => this.hand?.letGo());
     document.addEventListener("visibilitychange", () => {
       if (document.hidden) this.hand?.letGo();
@@ -101,7 +101,10 @@ class Page {
         this.hand?.letGo(); // else its next message would take the hand back
         void this.tell({ type: "start" });
       },
-      pause: () => void this.tell({ type: "pause", value: !(this.state?.isPaused ?? false) }),
+      pause: () => {
+        this.hand?.letGo();
+        void this.tell({ type: "pause", value: !(this.state?.isPaused ?? false) });
+      },
       rearm: () => void this.tell({ type: "rearm" }),
       takeControl: () => void this.tell({ type: "take_control" }),
       letGo: () => this.hand?.letGo(),
@@ -171,16 +174,21 @@ class Page {
                                                                                        : null;
   }
 
-  private async loadScene(path: string): Promise<void> {
+  private async loadScene(path: string, hello = this.hello): Promise<void> {
     const view = this.view;
-    if (!view) return;
+    if (!view || hello !== this.hello) return;
     try {
       const answer = await fetch(path, { headers: { Authorization: `Bearer ${this.token}` } });
       if (!answer.ok) throw new Error(`/${path}: the server answers ${answer.status}`);
-      view.load(await answer.arrayBuffer());
+      const glb = await answer.arrayBuffer();
+      if (hello !== this.hello) return; // another connection loads its own
+      view.load(glb);
       element("scale").textContent = `grid ${length(view.gridStep_m)}`;
     } catch (problem) {
+      if (hello !== this.hello) return;
       this.status.say(`The scene is not shown. ${problem instanceof Error ? problem.message : ""}`);
+      // A connection that ends loads the scene when it is back.
+      if (this.status.isLive) setTimeout(() => void this.loadScene(path, hello), kRetry_ms);
     }
   }
 
@@ -188,6 +196,7 @@ class Page {
     this.state = state;
     this.status.showState(state, performance.now());
     this.buttons.showPaused(state.isPaused);
+    if (this.view) this.view.actuatedAxes = state.axes;
     this.view?.update(state);
   }
 
@@ -250,9 +259,9 @@ class Page {
 
   private loop(): void {
     const frame = (now_ms: number): void => {
+      requestAnimationFrame(frame); // first, so that an error in a picture ends only that picture
       this.view?.draw();
       this.charts.draw(now_ms);
-      requestAnimationFrame(frame);
     };
     requestAnimationFrame(frame);
   }

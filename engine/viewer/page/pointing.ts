@@ -20,7 +20,7 @@ interface Place {
 
 export class Pointing {
   private readonly pointers = new Map<number, Place>();
-  private isPressing = false; // the only pointer moves the hand
+  private pressed: Hand | null = null; // the hand that the only pointer moves
 
   constructor(
     private readonly canvas: HTMLCanvasElement, private readonly view: View3d,
@@ -71,7 +71,7 @@ export class Pointing {
     const view = this.handView();
     const hand = this.activeHand();
     if (!view || !hand) return;
-    this.isPressing = true;
+    this.pressed = hand;
     hand.grasp(view);
     if (hand.isAbsolute(view)) this.press(hand, view, event);
   }
@@ -84,7 +84,7 @@ export class Pointing {
     if (this.pointers.size === 2) this.pinch(event, last);
     last.x = event.clientX;
     last.y = event.clientY;
-    if (!this.isPressing) {
+    if (!this.pressed) {
       this.view.turnBy(right / this.pointers.size, up / this.pointers.size);
       return;
     }
@@ -97,12 +97,12 @@ export class Pointing {
 
   private up(event: PointerEvent): void {
     this.pointers.delete(event.pointerId);
-    if (this.isPressing) this.endPress();
+    this.endPress();
   }
 
   private endPress(): void {
-    this.isPressing = false;
-    this.activeHand()?.letGo();
+    this.pressed?.letGo(); // also while paused
+    this.pressed = null;
   }
 
   private press(hand: Hand, view: HandView, event: PointerEvent): void {

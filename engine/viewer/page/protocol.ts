@@ -1,12 +1,13 @@
-// The messages between the page and the server, version 1. All numbers are little-endian.
+// The messages between the page and the server, version 2. All numbers are little-endian.
 
 import { decodeRecord, recordBytes, type TickRecord } from "./record.ts";
 
-export const kVersion = 1;
+export const kVersion = 2;
 const kKindState = 1;
 const kKindTicks = 2;
 const kKindPointer = 16;
-const kStateHeaderBytes = 48;
+const kStateHeaderBytes = 136;
+const kMostAxes = 3;
 const kBodyBytes = 64;
 const kTicksHeaderBytes = 24;
 const kPointerBytes = 40;
@@ -26,6 +27,8 @@ export interface State {
   isHeld: boolean;
   pointerSequence: number; // the newest pointer message that this tick used; 0: none
   target_m: Vector3; // of the hand, device frame
+  sent_s: number; // on the server's clock
+  axes: Vector3[]; // a basis of the actuated span, device frame
   record: TickRecord;
   bodies: BodyPose[];
 }
@@ -100,6 +103,7 @@ export interface Status {
   clients: number;
   paused: boolean;
   control: boolean;
+  pending: boolean; // a setting does not act yet
   settings: Record<string, SettingValue>;
 }
 
@@ -149,8 +153,9 @@ function body(view: DataView, offset: number): BodyPose {
 
 function decodeState(view: DataView): State {
   const flags = view.getUint32(4, true);
-  const size = view.getUint32(40, true);
-  const bodyCount = view.getUint32(44, true);
+  const size = view.getUint32(48, true);
+  const bodyCount = view.getUint32(52, true);
+  const axisCount = Math.min(view.getUint32(56, true), kMostAxes);
   const expected = kStateHeaderBytes + size + bodyCount * kBodyBytes;
   if (size !== recordBytes || view.byteLength !== expected) {
     throw new Error(`state: has ${view.byteLength} bytes, a record of ${size}; ` +
@@ -166,6 +171,8 @@ function decodeState(view: DataView): State {
     isHeld: (flags & 4) !== 0,
     pointerSequence: Number(view.getBigUint64(8, true)),
     target_m: vector(view, 16),
+    sent_s: view.getFloat64(40, true),
+    axes: Array.from({ length: axisCount }, (_, n) => vector(view, 64 + 24 * n)),
     record: decodeRecord(view, kStateHeaderBytes),
     bodies,
   };

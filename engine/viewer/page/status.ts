@@ -5,6 +5,7 @@ import type { Status, State } from "./protocol.ts";
 import { count, faultsInWords } from "./words.ts";
 
 const kLongestGap_ms = 250; // an older state is not shown as a present one
+const kClockDrift = 0.001; // of the clocks of two machines, s per s; ten times the usual
 
 const kConnectionWords: Record<ConnectionState, { short: string; notice: string }> = {
   connecting: { short: "Connecting", notice: "" },
@@ -30,9 +31,30 @@ function write(id: string, text: string): void {
   if (target.textContent !== text) target.textContent = text;
 }
 
+// How much longer a message took than the fastest one. The clocks of server and page have no common
+// zero.
+export class Journey {
+  private fastest_ms = Infinity; // received minus sent
+  private last_ms = 0;
+
+  begin(): void {
+    this.fastest_ms = Infinity;
+  }
+
+  delay_ms(sent_s: number, now_ms: number): number {
+    const took_ms = now_ms - 1000 * sent_s;
+    const drift_ms = kClockDrift * (now_ms - this.last_ms);
+    this.last_ms = now_ms;
+    this.fastest_ms = Math.min(this.fastest_ms + drift_ms, took_ms);
+    return took_ms - this.fastest_ms;
+  }
+}
+
 export class StatusPanel {
   private connection: ConnectionState = "connecting";
-  private received_ms = -Infinity;
+  private present_ms = -Infinity; // when the last present state was received
+  private tick = -1;
+  private readonly journey = new Journey();
   private missed = 0;
 
   showConnection(state: ConnectionState): void {
@@ -42,13 +64,18 @@ export class StatusPanel {
     element("connection").dataset["state"] = state;
     this.notice("connection-notice", words.notice);
     if (state !== "live") this.checkAge(Infinity);
+    else this.journey.begin();
   }
 
   // now_ms: of performance.now().
   showState(state: State, now_ms: number): void {
-    this.received_ms = now_ms;
-    document.body.classList.remove("stale");
     const { record } = state;
+    const isNew = record.tick !== this.tick || state.isPaused;
+    this.tick = record.tick;
+    if (this.journey.delay_ms(state.sent_s, now_ms) <= kLongestGap_ms && isNew) {
+      this.present_ms = now_ms;
+      document.body.classList.remove("stale");
+    }
     const isContact = record.contact !== 0;
     const force_N = Math.hypot(...record.force_device_N);
     const full_N = Math.hypot(...record.full_force_device_N);
@@ -79,7 +106,7 @@ export class StatusPanel {
 
   // Marks the state as old if it is.
   checkAge(now_ms: number): void {
-    if (now_ms - this.received_ms > kLongestGap_ms) document.body.classList.add("stale");
+    if (now_ms - this.present_ms > kLongestGap_ms) document.body.classList.add("stale");
   }
 
   // Shows a notice; "": hides it.

@@ -57,6 +57,11 @@ export class View3d {
     this.renderer.shadowMap.autoUpdate = false;
     this.felt.scene.add(this.contact.object);
     this.contact.object.visible = false;
+    // A browser may take the memory of the drawing, and later give it back.
+    canvas.addEventListener("webglcontextrestored", () => {
+      this.renderer.shadowMap.needsUpdate = true;
+      this.isDirty = true;
+    });
     this.repaint();
   }
 

@@ -91,8 +91,9 @@ class Device {
   // Returns the latest sample. dt_s: the nominal time since the last call, s.
   virtual DeviceSample read(double dt_s) noexcept = 0;
   virtual void command(const DeviceCommand& command) noexcept = 0;
-  // The motors at the position of the last read(), at most three. Empty: those of description(),
-  // which do not turn. Called on the haptic thread; must not block, lock, allocate or throw.
+  // The motors at the position of the last read(), at most three. Empty: they have not turned since
+  // the last call that was not empty; before such a call, they are those of description(). Called
+  // on the haptic thread; must not block, lock, allocate or throw.
   virtual std::span<const MotorDescription> motors_now() const noexcept { return {}; }
   // Ends a session. stop() is the last call of a session, after command() with zero force. The
   // device stays idle until the next start().

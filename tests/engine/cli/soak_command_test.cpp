@@ -44,6 +44,20 @@ TEST(SoakCommand, ReportsEveryTickWithItsTimes) {
   EXPECT_GT(report["reached_timing"]["stable_N_per_m"], 0.0);
 }
 
+TEST(SoakCommand, CountsAndTimesTheEffects) {
+  const TemporaryFolder folder;
+  const Outcome done =
+      run_program(folder, {"soak", PALPATE_MODELS_DIR "/effect_gravity.glb", "--minutes", "0.04",
+                           "--rate", "500", "--effect-times", "--json"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  const auto report = nlohmann::json::parse(done.out);
+  const auto gravity = report["effects"]["gravity"];
+  EXPECT_GT(gravity["ticks"], 0);
+  EXPECT_GT(gravity["time_share"], 0.0);
+  EXPECT_LT(gravity["time_share"], 1.0);
+  EXPECT_NE(content_of(folder.path("out/soak.txt")).find("gravity active in"), std::string::npos);
+}
+
 TEST(SoakCommand, RefusesBadArgumentsAndLeavesNothing) {
   const TemporaryFolder folder;
   for (const auto& arguments : {std::vector<std::string>{"soak"},

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "engine/devices/guard_memory.h"
+#include "engine/devices/monotonic_clock.h"
 #include "tests/engine/devices/fake_firmware.h"
 
 namespace palpate {
@@ -132,7 +133,7 @@ class FakeBoardTerminal {
       }
       if (poll(&readable, 1, 5) <= 0) continue;
       const ssize_t size = ::read(terminal_, bytes.data(), bytes.size());
-      const std::int64_t now_ns = guard_clock_ns();
+      const std::int64_t now_ns = monotonic_ns();
       bytes_read_ += static_cast<std::uint64_t>(std::max<ssize_t>(0, size));
       for (ssize_t i = 0; i < size; ++i) take(bytes[static_cast<std::size_t>(i)], now_ns);
     }

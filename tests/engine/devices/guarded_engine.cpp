@@ -40,6 +40,7 @@
 #include <vector>
 
 #include "engine/devices/hapi_zero.h"
+#include "engine/devices/monotonic_clock.h"
 #include "engine/devices/motor_guard.h"
 #include "tests/engine/devices/board_terminal.h"
 
@@ -74,11 +75,11 @@ class Engine {
     if (behaviour_ == "fork") fork_child();
     const sched_param fifo{kGuardPriority - 1};
     sched_setscheduler(0, SCHED_FIFO, &fifo);
-    const std::int64_t start_ns = guard_clock_ns();
+    const std::int64_t start_ns = monotonic_ns();
     for (std::int64_t due_ns = start_ns;; due_ns += kPeriodNs) {
-      const std::int64_t now_ns = guard_clock_ns();
+      const std::int64_t now_ns = monotonic_ns();
       if (due_ns > now_ns) sleep_ns(due_ns - now_ns);
-      if (behaviour_ != "unarmed") tick(guard_clock_ns());
+      if (behaviour_ != "unarmed") tick(monotonic_ns());
       if (now_ns > start_ns + kFaultNs && fail()) return 0;
     }
   }
@@ -139,7 +140,7 @@ class Engine {
     if (behaviour_ == "end-thread") ::syscall(SYS_exit, 0);
     if (behaviour_ == "hang-tick" && !has_hung_) {
       has_hung_ = true;
-      hung_ns_ = guard_clock_ns();
+      hung_ns_ = monotonic_ns();
     }
     if (behaviour_ == "full") {
       const auto message = HostMessages::tick(kDevice, 0, {0.5f, 0.5f});

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/devices/hapi_zero.h"
+#include "engine/devices/monotonic_clock.h"
 #include "tests/engine/devices/board_terminal.h"
 #include "tests/engine/devices/engine_process.h"
 
@@ -63,7 +64,7 @@ class MotorGuardProcess : public ::testing::Test {
 
 TEST_F(MotorGuardProcess, StopsTheMotorsOfAKilledEngine) {
   ASSERT_NO_FATAL_FAILURE(start("run"));
-  const std::int64_t fault_ns = guard_clock_ns();
+  const std::int64_t fault_ns = monotonic_ns();
   process->engine().send(SIGKILL);
   expect_zero_for_ever(fault_ns);
   expect_guard_ends_well();
@@ -72,7 +73,7 @@ TEST_F(MotorGuardProcess, StopsTheMotorsOfAKilledEngine) {
 TEST_F(MotorGuardProcess, StopsTheMotorsWithoutRealtimeScheduling) {
   ASSERT_NO_FATAL_FAILURE(start("no-fifo"));
   EXPECT_FALSE(process->has_fifo());
-  const std::int64_t fault_ns = guard_clock_ns();
+  const std::int64_t fault_ns = monotonic_ns();
   process->engine().send(SIGKILL);
   expect_zero_for_ever(fault_ns);
   expect_guard_ends_well();
@@ -80,10 +81,10 @@ TEST_F(MotorGuardProcess, StopsTheMotorsWithoutRealtimeScheduling) {
 
 TEST_F(MotorGuardProcess, StopsTheMotorsOfAStoppedEngineWhichCanRearm) {
   ASSERT_NO_FATAL_FAILURE(start("run"));
-  const std::int64_t stop_ns = guard_clock_ns();
+  const std::int64_t stop_ns = monotonic_ns();
   process->engine().send(SIGSTOP);
   expect_zero_for_ever(stop_ns);
-  const std::int64_t go_on_ns = guard_clock_ns();
+  const std::int64_t go_on_ns = monotonic_ns();
   process->engine().send(SIGCONT);
   // The engine commands 50 zeros after it has rearmed, and then its force. A slipped command
   // comes alone.
@@ -96,7 +97,7 @@ TEST_F(MotorGuardProcess, StopsTheMotorsOfAStoppedEngineWhichCanRearm) {
   }
   EXPECT_LE(slipped, 1u);
   EXPECT_GE(log[log.size() - 2].count, 50u);
-  const std::int64_t kill_ns = guard_clock_ns();
+  const std::int64_t kill_ns = monotonic_ns();
   process->engine().send(SIGKILL);
   expect_zero_for_ever(kill_ns);
   expect_guard_ends_well();
@@ -104,7 +105,7 @@ TEST_F(MotorGuardProcess, StopsTheMotorsOfAStoppedEngineWhichCanRearm) {
 
 TEST_F(MotorGuardProcess, StopsTheMotorsOfAnEngineThatIsStoppedAndKilled) {
   ASSERT_NO_FATAL_FAILURE(start("run"));
-  const std::int64_t stop_ns = guard_clock_ns();
+  const std::int64_t stop_ns = monotonic_ns();
   process->engine().send(SIGSTOP);
   expect_zero_for_ever(stop_ns);
   process->engine().send(SIGKILL);
@@ -116,7 +117,7 @@ class MotorGuardFaults : public MotorGuardProcess,
                          public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(MotorGuardFaults, EndWithZeroForce) {
-  const std::int64_t start_ns = guard_clock_ns();
+  const std::int64_t start_ns = monotonic_ns();
   ASSERT_NO_FATAL_FAILURE(start(GetParam()));
   expect_zero_for_ever(start_ns);
 }
@@ -144,14 +145,14 @@ TEST_F(MotorGuardProcess, StopsTheMotorsWhenTheQueueOfTheBoardIsFull) {
   EXPECT_TRUE(board.is_zero());
   std::uint64_t forces = 0;
   for (const Entry& entry : board.log()) forces += entry.is_zero ? 0 : entry.count;
-  // The 4,096 bytes that a terminal's reading side holds cannot be flushed; the rest must be. They may
-  // begin with the rest of a message that the board has read in part.
+  // The 4,096 bytes that a terminal's reading side holds cannot be flushed; the rest must be. They
+  // may begin with the rest of a message that the board has read in part.
   EXPECT_LE(forces - forces_before, 4096u / HostMessages::tick(1, 0, {0.5f, 0.5f}).size() + 1);
 }
 
 TEST_F(MotorGuardProcess, StopsABoardThatWaitsUntilItsAnswersAreRead) {
   ASSERT_NO_FATAL_FAILURE(start("run"));
-  const std::int64_t fault_ns = guard_clock_ns();
+  const std::int64_t fault_ns = monotonic_ns();
   process->engine().send(SIGSTOP);
   board.flood();
   expect_zero_for_ever(fault_ns);
@@ -162,7 +163,7 @@ TEST_F(MotorGuardProcess, SeesTheEndOfAnEngineWhoseChildKeepsItsDescriptors) {
   pid_t child = 0;
   ASSERT_EQ(std::sscanf(process->read_line().c_str(), "child %d", &child), 1);
   const WatchedProcess watched_child(child);
-  const std::int64_t fault_ns = guard_clock_ns();
+  const std::int64_t fault_ns = monotonic_ns();
   process->engine().send(SIGKILL);
   expect_zero_for_ever(fault_ns);
   expect_guard_ends_well();
@@ -184,7 +185,7 @@ TEST_F(MotorGuardProcess, IgnoresTheSignalsOfTheTerminalWhileArmed) {
   for (const int signal : {SIGINT, SIGHUP, SIGTERM, SIGPIPE}) process->guard().send(signal);
   sleep_ms(100);
   EXPECT_FALSE(process->guard().has_ended());
-  const std::int64_t fault_ns = guard_clock_ns();
+  const std::int64_t fault_ns = monotonic_ns();
   process->engine().send(SIGKILL);
   expect_zero_for_ever(fault_ns);
   expect_guard_ends_well();
@@ -262,7 +263,7 @@ class MotorGuardClient : public ::testing::Test {
     std::size_t size = 0;
     return wait_for([&] { return (size += written().size()) >= 5 * spec.zero_bytes.size(); });
   }
-  void beat() { guard->beat(guard_clock_ns()); }
+  void beat() { guard->beat(monotonic_ns()); }
   std::string spawn_error() {
     const auto result = MotorGuard::spawn(spec);
     return result.ok() ? "no error" : result.error().to_string();
@@ -340,7 +341,7 @@ TEST_F(MotorGuardClient, WritesAZeroAfterTheDriverHasSeenTheTrip) {
 
 TEST_F(MotorGuardClient, AnOldTickIsStaleThoughTheDriverBeats) {
   spawn();
-  const std::int64_t tick_ns = guard_clock_ns();
+  const std::int64_t tick_ns = monotonic_ns();
   ASSERT_EQ(guard->arm(), std::nullopt);
   EXPECT_TRUE(wait_for([&] {
     guard->beat(tick_ns);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <malloc.h>
 #include <map>
 #include <sqlite3.h>
 #include <string>
@@ -222,10 +223,34 @@ double cpu_s() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
+// The growth of the process's memory, in bytes, at its highest since the construction.
+class PeakMemory {
+ public:
+  PeakMemory() {
+    ::malloc_trim(0);  // else freed memory could be used again without growth
+    std::ofstream("/proc/self/clear_refs") << "5";  // begins a new peak
+    before_ = peak();
+  }
+  std::uint64_t growth() const { return peak() - before_; }
+
+ private:
+  static std::uint64_t peak() {
+    std::ifstream status("/proc/self/status");
+    std::string word;
+    while (status >> word && word != "VmHWM:") {
+    }
+    std::uint64_t kilobytes = 0;
+    status >> kilobytes;
+    return 1024 * kilobytes;
+  }
+  std::uint64_t before_ = 0;
+};
+
 // Opens, checks and reads everything, which must end soon, in errors of one printable line.
 // Returns whether anything was wrong.
 bool is_refused(const std::string& path) {
   const double before_s = cpu_s();
+  const PeakMemory memory;
   bool is_wrong = false;
   const auto reader = RecordingReader::open(path);
   if (!reader) {
@@ -244,6 +269,10 @@ bool is_refused(const std::string& path) {
     (void)reader->events(1000);
   }
   EXPECT_LT(cpu_s() - before_s, 10.0) << path;
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take memory themselves
+  EXPECT_LE(memory.growth(), (std::uint64_t{64} << 20) + 40 * std::filesystem::file_size(path))
+      << path;
+#endif
   return is_wrong;
 }
 

@@ -20,6 +20,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/devices/monotonic_clock.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -73,7 +74,7 @@ class PipeDevice final : public GuardableDevice {
     const auto* process = dynamic_cast<MotorGuard*>(guard);
     if (!kills_guard || process == nullptr) return;
     ::kill(process->process(), SIGKILL);
-    while (guard->is_alive(guard_clock_ns()))
+    while (guard->is_alive(monotonic_ns()))
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   std::string summary() const override { return ""; }

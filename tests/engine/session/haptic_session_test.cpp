@@ -297,6 +297,23 @@ TEST(HapticSession, ReportsATripToObserversAndToOtherThreadsAndRearms) {
   EXPECT_GT(rig.device.force_N.z(), 1.9);
 }
 
+TEST(HapticSession, StartsTheMotorsAgainAfterAPause) {
+  MotorRig rig;
+  rig.run(700);
+  rig.press(2e-3);
+  ASSERT_GT(rig.device.force_N.z(), 1.9);
+  rig.session.set_paused(true);
+  rig.run(10);
+  EXPECT_EQ(rig.device.force_N, Vec3(Vec3::Zero()));
+  rig.session.set_paused(false);
+  rig.run(1000);  // the hand presses, so it is not calm
+  EXPECT_EQ(rig.device.force_N, Vec3(Vec3::Zero()));
+  rig.device.height_m = kHalf_m + 1e-3;
+  rig.run(700);
+  rig.press(2e-3);
+  EXPECT_GT(rig.device.force_N.z(), 1.9);
+}
+
 TEST(HapticSession, TakesTheMotorsOfADeviceThatTurnsThem) {
   for (const bool takes : {true, false}) {
     MotorRig rig({.takes_motors = takes});

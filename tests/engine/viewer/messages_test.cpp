@@ -78,20 +78,28 @@ TEST(ViewMessages, StateHasTheDocumentedLayout) {
   const std::vector<BodyPose> bodies = {{3, {0.5, 0.5, -0.5, 0.5}, {1, 2, 3}},
                                         {70000, {1, 0, 0, 0}, {-4, -5, -6}}};
   std::string bytes = "old";
-  encode_state(state, bodies, bytes);
-  ASSERT_EQ(bytes.size(), 48 + sizeof(TickRecord) + 2 * 64);
+  state.axis_count = 2;
+  state.axes = {{{0, 1, 0}, {0, 0, -1}, {1, 0, 0}}};
+  encode_state(state, bodies, 12.5, bytes);
+  constexpr std::size_t kHead = 136;
+  ASSERT_EQ(bytes.size(), kHead + sizeof(TickRecord) + 2 * 64);
   EXPECT_EQ(whole(bytes, 0, 2), 1u);
-  EXPECT_EQ(whole(bytes, 2, 2), 1u);
+  EXPECT_EQ(whole(bytes, 2, 2), 2u);
   EXPECT_EQ(whole(bytes, 4, 4), 5u);
   EXPECT_EQ(whole(bytes, 8, 8), 9u);
   EXPECT_EQ(real64(bytes, 16), 0.1);
   EXPECT_EQ(real64(bytes, 32), 0.3);
-  EXPECT_EQ(whole(bytes, 40, 4), sizeof(TickRecord));
-  EXPECT_EQ(whole(bytes, 44, 4), 2u);
+  EXPECT_EQ(real64(bytes, 40), 12.5);
+  EXPECT_EQ(whole(bytes, 48, 4), sizeof(TickRecord));
+  EXPECT_EQ(whole(bytes, 52, 4), 2u);
+  EXPECT_EQ(whole(bytes, 56, 4), 2u);
+  EXPECT_EQ(real64(bytes, 64 + 8), 1.0);
+  EXPECT_EQ(real64(bytes, 64 + 24 + 16), -1.0);
+  EXPECT_EQ(real64(bytes, 64 + 48), 1.0);
   // Fields of the record by the offsets of its table, which the page's decoder uses.
   const auto at = [](std::string_view name) {
     for (const RecordField& field : kRecordFields) {
-      if (field.name == name) return 48 + field.offset;
+      if (field.name == name) return kHead + field.offset;
     }
     ADD_FAILURE() << name;
     return std::size_t{0};
@@ -103,7 +111,7 @@ TEST(ViewMessages, StateHasTheDocumentedLayout) {
   EXPECT_EQ(static_cast<std::int64_t>(whole(bytes, at("step_ns"), 8)), -5);
   EXPECT_EQ(whole(bytes, at("faults"), 4), 0x80000001u);
   EXPECT_EQ(whole(bytes, at("contact"), 2), 1u);
-  const std::size_t second = 48 + sizeof(TickRecord) + 64;
+  const std::size_t second = kHead + sizeof(TickRecord) + 64;
   EXPECT_EQ(whole(bytes, second, 4), 70000u);
   EXPECT_EQ(whole(bytes, second + 4, 4), 0u);
   EXPECT_EQ(real64(bytes, second + 8), 1.0);
@@ -130,7 +138,7 @@ TEST(ViewMessages, TicksHaveTheDocumentedColumns) {
   encode_ticks(rows, 7, 1, bytes);
   ASSERT_EQ(bytes.size(), 24u + 7 * 2 * 4);
   EXPECT_EQ(whole(bytes, 0, 2), 2u);
-  EXPECT_EQ(whole(bytes, 2, 2), 1u);
+  EXPECT_EQ(whole(bytes, 2, 2), 2u);
   EXPECT_EQ(whole(bytes, 4, 4), 2u);
   EXPECT_EQ(real64(bytes, 8), 1e6);
   EXPECT_EQ(whole(bytes, 16, 4), 7u);

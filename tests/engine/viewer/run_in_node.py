@@ -7,6 +7,8 @@ run_in_node.py browser PROJECT BUILD TEST.mjs [PROGRAM...]
                                                 runs a test that opens the page in Chromium
 run_in_node.py pictures PROJECT BUILD FOLDER PROGRAM
                                                 makes the pictures of the README in the folder
+run_in_node.py frames PROJECT BUILD FOLDER PROGRAM WRITE_MESH
+                                                measures frames; writes FOLDER/frames.json
 
 Exits with 77, and says why, if Node, the packages, the bundled page or Chromium is missing: setup.sh
 fetches them for `./run.sh view` and for .ci/run.
@@ -71,9 +73,10 @@ def main():
     work = build / "page_build"
     if kind == "browser":
         return browser(node, project, build, rest[0], rest[1:])
-    if kind == "pictures":
+    scripts = {"pictures": "make_pictures.mjs", "frames": "measure_frames.mjs"}
+    if kind in scripts:
         os.environ["PALPATE_FOLDER"] = rest[0]
-        script = pathlib.Path(__file__).resolve().parent / "browser/make_pictures.mjs"
+        script = pathlib.Path(__file__).resolve().parent / "browser" / scripts[kind]
         return browser(node, project, build, script, rest[1:], is_test=False)
     require(work / "node_modules/three", "the bundled page")
     require(work / "record.ts", "the bundled page")

@@ -20,7 +20,7 @@ class RememberingModel final : public ViewModel {
     const std::lock_guard lock(mutex_);
     ++state_.record.tick;  // every state is a new one
     state = state_;
-    bodies.clear();
+    bodies.assign(body_count_, {});
     return true;
   }
   std::uint64_t take_ticks(std::vector<TickSummary>& rows) override {
@@ -54,6 +54,11 @@ class RememberingModel final : public ViewModel {
     return std::make_shared<const std::string>(full ? "the full scene" : "the scene");
   }
 
+  // Each state has so many moving bodies.
+  void set_bodies(std::size_t count) {
+    const std::lock_guard lock(mutex_);
+    body_count_ = count;
+  }
   std::vector<PageRequest> requests() {
     const std::lock_guard lock(mutex_);
     return requests_;
@@ -73,6 +78,7 @@ class RememberingModel final : public ViewModel {
   std::vector<PageRequest> requests_;
   std::vector<PointerMessage> pointers_;
   int let_goes_ = 0;
+  std::size_t body_count_ = 0;
 };
 
 // A running server with a page of four short files.

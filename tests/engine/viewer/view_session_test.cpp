@@ -168,7 +168,7 @@ TEST(ViewSession, HelloDescribesSceneAndDevice) {
   Viewed viewed(scene, setup_of(3, 2));
   const auto hello = nlohmann::json::parse(viewed.session->hello());
   EXPECT_EQ(hello["type"], "hello");
-  EXPECT_EQ(hello["version"], 1);
+  EXPECT_EQ(hello["version"], 2);
   EXPECT_EQ(hello["scene"]["name"], "a scene");
   std::vector<Vec3> corners_m;
   std::vector<Triangle> triangles;

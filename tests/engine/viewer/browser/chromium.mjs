@@ -19,6 +19,7 @@ const kFlags = [
   "--use-gl=angle",
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
+  "--disable-gpu-watchdog", // it ends a process that a busy machine lets wait for 15 s
   "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
   "--disable-background-networking",
   "--force-color-profile=srgb",
@@ -61,7 +62,8 @@ export async function openPage(browser, address, options = {}) {
   for (const end of ["requestfinished", "requestfailed"]) {
     page.on(end, (request) => page.pending.delete(request.url()));
   }
-  await explained(page, page.goto(address, { timeout: kStep_ms }));
+  // The tests wait for what they need of the page; the end of loading is not among it.
+  await explained(page, page.goto(address, { timeout: kStep_ms, waitUntil: "commit" }));
   return page;
 }
 

@@ -210,9 +210,12 @@ test("each control changes the value of the engine", async () => {
         await control.locator("input[type=number]").fill(String(wanted));
         await control.locator("input[type=number]").press("Enter");
       }
-      await until(page, ([name, value]) =>
-        JSON.stringify(window.palpate.status().settings[name]) === JSON.stringify(value),
-        [setting.name, wanted]);
+      await until(page, ([name, value]) => {
+        const { settings, pending } = window.palpate.status();
+        return !pending && JSON.stringify(settings[name]) === JSON.stringify(value);
+      }, [setting.name, wanted]);
+      if (setting.kind !== "axes") continue;
+      await until(page, (axes) => JSON.stringify(window.palpate.state().axes) === JSON.stringify(axes), wanted);
     }
     assertClean(page);
     await page.context().close();
@@ -243,7 +246,10 @@ test("pause holds the ticks, and start brings the hand back", async () => {
     await page.keyboard.press("Space");
     await until(page, () => window.palpate.state().isPaused && window.palpate.status().paused);
     const { tick } = (await state(page)).record;
+    await page.keyboard.press("a"); // acts when the ticks go on
+    await until(page, () => window.palpate.status().pending);
     await page.keyboard.press("Space");
+    await until(page, () => !window.palpate.status().pending);
     await until(page, (n) => {
       const { isPaused, record } = window.palpate.state();
       return !isPaused && record.tick > n;

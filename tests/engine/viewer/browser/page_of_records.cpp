@@ -81,6 +81,9 @@ class FixedModel final : public ViewModel {
   void show(const json& fields) {
     const std::lock_guard lock(mutex_);
     ViewState state;
+    state.flags = kViewPaused;  // the page shows no other state as present if no tick follows
+    state.axis_count = 1;
+    state.axes[0] = {1.0, 0.0, 0.0};
     for (const RecordField& field : kRecordFields) {
       const auto found = fields.find(field.name);
       if (found != fields.end()) write_field(*found, field, state.record);
@@ -117,10 +120,19 @@ class FixedModel final : public ViewModel {
   double rate_Hz() const override { return 1000.0; }
   std::string hello() override;
   std::string status(std::size_t clients) override {
-    return json{{"type", "status"},   {"rate_Hz", 1000},  {"missed", 0},
-                {"late_p999_us", 0},  {"step_p50_us", 0}, {"step_max_us", 0},
-                {"trips", 0},         {"trip", nullptr},  {"faults", json::object()},
-                {"clients", clients}, {"paused", false},  {"settings", {{"axes", axes()}}}}
+    return json{{"type", "status"},
+                {"rate_Hz", 1000},
+                {"missed", 0},
+                {"late_p999_us", 0},
+                {"step_p50_us", 0},
+                {"step_max_us", 0},
+                {"trips", 0},
+                {"trip", nullptr},
+                {"faults", json::object()},
+                {"clients", clients},
+                {"paused", true},
+                {"pending", false},
+                {"settings", {{"axes", axes()}}}}
         .dump();
   }
   std::optional<Event> take_event() override { return std::nullopt; }

@@ -13,6 +13,7 @@ import { History, kBucket_s, kSpan_s } from "@page/history.ts";
 import { Keys } from "@page/keys.ts";
 import { decodeBinary, encodePointer, type Ticks } from "@page/protocol.ts";
 import { decodeRecord, recordBytes, type TickRecord } from "@page/record.ts";
+import { Journey } from "@page/status.ts";
 import { faultsInWords } from "@page/words.ts";
 import { ViewCamera } from "@page/view_camera.ts";
 
@@ -45,18 +46,21 @@ function ticks(base_s: number, rows: { t: number; angle: number; force: number }
 }
 
 test("a state is decoded at the offsets of its layout", () => {
-  const bytes = new ArrayBuffer(48 + recordBytes + 64);
+  const bytes = new ArrayBuffer(136 + recordBytes + 64);
   const view = new DataView(bytes);
   view.setUint16(0, 1, true);
-  view.setUint16(2, 1, true);
+  view.setUint16(2, 2, true);
   view.setUint32(4, 5, true);
   view.setBigUint64(8, 12345678901n, true);
   [0.1, -0.2, 0.3].forEach((v, i) => view.setFloat64(16 + 8 * i, v, true));
-  view.setUint32(40, recordBytes, true);
-  view.setUint32(44, 1, true);
-  view.setBigUint64(48, 99n, true); // the first field of the record: tick
-  view.setUint32(48 + recordBytes, 7, true);
-  [1, 0, 0, 0, 4, 5, 6].forEach((v, i) => view.setFloat64(48 + recordBytes + 8 + 8 * i, v, true));
+  view.setFloat64(40, 12.5, true);
+  view.setUint32(48, recordBytes, true);
+  view.setUint32(52, 1, true);
+  view.setUint32(56, 2, true);
+  [0, 1, 0, 0, 0, -1, 1, 0, 0].forEach((v, i) => view.setFloat64(64 + 8 * i, v, true));
+  view.setBigUint64(136, 99n, true); // the first field of the record: tick
+  view.setUint32(136 + recordBytes, 7, true);
+  [1, 0, 0, 0, 4, 5, 6].forEach((v, i) => view.setFloat64(136 + recordBytes + 8 + 8 * i, v, true));
   const message = decodeBinary(bytes);
   assert.equal(message.kind, "state");
   if (message.kind !== "state") return;
@@ -64,16 +68,18 @@ test("a state is decoded at the offsets of its layout", () => {
   assert.deepEqual([state.hasTarget, state.isPaused, state.isHeld], [true, false, true]);
   assert.equal(state.pointerSequence, 12345678901);
   assert.deepEqual(state.target_m, [0.1, -0.2, 0.3]);
+  assert.equal(state.sent_s, 12.5);
+  assert.deepEqual(state.axes, [[0, 1, 0], [0, 0, -1]]);
   assert.equal(state.record.tick, 99);
   assert.deepEqual(state.bodies, [{ body: 7, rotation_wxyz: [1, 0, 0, 0], position_m: [4, 5, 6] }]);
 });
 
 test("a message of another version or length is refused by name", () => {
-  const bytes = new ArrayBuffer(64);
+  const bytes = new ArrayBuffer(136);
   new DataView(bytes).setUint16(0, 1, true);
-  assert.throws(() => decodeBinary(bytes), /version is 0; expected 1/);
-  new DataView(bytes).setUint16(2, 1, true);
-  assert.throws(() => decodeBinary(bytes), /state: has 64 bytes/);
+  assert.throws(() => decodeBinary(bytes), /version is 0; expected 2/);
+  new DataView(bytes).setUint16(2, 2, true);
+  assert.throws(() => decodeBinary(bytes), /state: has 136 bytes/);
   new DataView(bytes).setUint16(0, 3, true);
   assert.throws(() => decodeBinary(bytes), /kind is 3/);
   assert.throws(() => decodeBinary(new ArrayBuffer(3)), /has 3 bytes/);
@@ -84,7 +90,7 @@ test("columns of ticks are read one after another", () => {
   const bytes = new ArrayBuffer(24 + 28 * rows);
   const view = new DataView(bytes);
   view.setUint16(0, 2, true);
-  view.setUint16(2, 1, true);
+  view.setUint16(2, 2, true);
   view.setUint32(4, rows, true);
   view.setFloat64(8, 2.5, true);
   for (let i = 0; i < 7 * rows; ++i) view.setFloat32(24 + 4 * i, i, true);
@@ -100,10 +106,27 @@ test("a pointer message has the bytes of its layout", () => {
   const view = new DataView(encodePointer(258, [0.5, -1, 2], true));
   assert.equal(view.byteLength, 40);
   assert.deepEqual([view.getUint16(0, true), view.getUint16(2, true), view.getUint32(4, true)],
-                   [16, 1, 1]);
+                   [16, 2, 1]);
   assert.equal(view.getBigUint64(8, true), 258n);
   assert.deepEqual([16, 24, 32].map((at) => view.getFloat64(at, true)), [0.5, -1, 2]);
   assert.equal(new DataView(encodePointer(1, [0, 0, 0], false)).getUint32(4, true), 0);
+});
+
+test("a message that took longer than the fastest one has a delay, whatever the clocks are", () => {
+  const journey = new Journey();
+  const zero_s = 4711; // of the server's clock
+  const delays = [5, 3, 303, 300].map((took_ms, n) =>
+    journey.delay_ms(zero_s + 0.001 * 20 * n, 20 * n + took_ms));
+  assert.ok(delays[0]! < 1 && delays[1]! < 1);
+  assert.ok(Math.abs(delays[2]! - 300) < 1 && Math.abs(delays[3]! - 297) < 1, `${delays}`);
+  journey.begin(); // another connection, perhaps to another machine
+  assert.ok(journey.delay_ms(1, 2000) < 1);
+  // Clocks that drift apart by a second in an hour are no delay.
+  let longest_ms = 0;
+  for (let t_s = 0; t_s < 3600; ++t_s) {
+    longest_ms = Math.max(longest_ms, journey.delay_ms(t_s, 1000 * t_s * (1 + 1 / 3600)));
+  }
+  assert.ok(longest_ms < 1, `${longest_ms}`);
 });
 
 test("a chart shows the lowest and the highest value of each interval", () => {

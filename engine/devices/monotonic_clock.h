@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-// The time on CLOCK_MONOTONIC, ns. Any thread may call it.
+// The time on CLOCK_MONOTONIC, ns, which all processes share. Not a system call on common
+// processors. Any thread may call it.
 inline std::int64_t monotonic_ns() noexcept {
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
   timespec now;
