@@ -52,7 +52,8 @@ void HapticLoop::anticipate(double dt_s) {
        budget - proxy_state_.work});
   if (turn.angle_rad == 0.0) return;
   record_.rotation_rad = turn.angle_rad;
-  place_scene(turned_about(T_device_scene(), view(record_.goal_scene_m), turn));
+  place_scene(
+      turned_about(T_device_scene(), view(record_.goal_scene_m), view(record_.device_m), turn));
 }
 
 // Actions 2 to 6, after the scene has followed a part of the hand's step.

@@ -133,12 +133,14 @@ std::optional<SurfacePlace> NearestPlace::update(const LiveWorld& world, const V
   }
   is_cut_short_ = !is_complete;
   if (is_cut_short_) return std::nullopt;
-  std::optional<SurfacePlace> place = search.nearest;
-  if (search.slid && search.slid->distance_m <= place->distance_m + kNearer_m) place = search.slid;
   held_.reset();
-  if (!place || place->distance_m > reach_m) return std::nullopt;
-  const ContactBody& body = world.body(place->face.body);
-  held_ = Held{place->face, body.to_body(place->point_m), body.to_body(p)};
+  if (!search.nearest) return std::nullopt;
+  const bool keeps =
+      search.slid && search.slid->distance_m <= search.nearest->distance_m + kNearer_m;
+  const SurfacePlace& place = keeps ? *search.slid : *search.nearest;
+  if (place.distance_m > reach_m) return std::nullopt;
+  const ContactBody& body = world.body(place.face.body);
+  held_ = Held{place.face, body.to_body(place.point_m), body.to_body(p)};
   return place;
 }
 

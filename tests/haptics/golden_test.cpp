@@ -58,10 +58,10 @@ struct GoldenOfStrategy {
 };
 
 constexpr GoldenOfStrategy kGoldenOfStrategies[] = {
-    {"a4-anticipate", 0},
-    {"anisotropic:0.25", 0},
-    {"anisotropic:4", 0},
-    {"cd", 0},
+    {"a4-anticipate", 0xf66b534df44dd604},
+    {"anisotropic:0.25", 0xf8f7710f66feee3b},
+    {"anisotropic:4", 0x1b4bccfcdde03f67},
+    {"cd", 0xf3e5ff273f3e4989},
 };
 
 void PrintTo(const GoldenOfStrategy& golden, std::ostream* out) {

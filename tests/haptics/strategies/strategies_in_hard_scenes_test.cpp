@@ -54,7 +54,7 @@ OwnedBodies three_bodies(Random& random, double radius_m) {
   return OwnedBodies(placed, radius_m);
 }
 
-ActuationModel some_device(Random& random) {
+ActuationModel judged_device(Random& random) {
   const int sensors = 2 + static_cast<int>(random.index(2));
   if (sensors == 2) return *ActuationModel::from_counts(2, 1);
   std::vector<Vec3> axes{random.unit_vector()};
@@ -70,7 +70,7 @@ class JudgedRun {
         strategy_(strategy),
         radius_m_(pick_radius_m()),
         bodies_(three_bodies(random, radius_m_)),
-        device_(some_device(random)),
+        device_(judged_device(random)),
         loop_(bodies_.world(), device_, settings()),
         shadow_(bodies_.world(), {.radius_m = radius_m_}) {
     for (std::size_t b = 0; b < bodies_.world().bodies.size(); ++b) {

@@ -1,6 +1,7 @@
 // Names of strategies, and what a named strategy changes in the bits of a loop.
 
 #include <clocale>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -93,9 +94,15 @@ std::vector<Vec3> path_into_box(Random& random) {
   return path;
 }
 
-ActuationModel some_device(Random& random) {
-  const int sensors = 2 + static_cast<int>(random.index(2));
-  return *ActuationModel::from_counts(sensors, 1 + static_cast<int>(random.index(2)));
+// A device with 2 sensors and a motor, or with 3 sensors and one or two motors.
+ActuationModel motors_anywhere(Random& random) {
+  if (random.index(2)) {
+    const double angle = random.uniform(-3.0, 3.0);
+    return *ActuationModel::from_axes(2, {Vec3(std::cos(angle), std::sin(angle), 0.0)});
+  }
+  std::vector<Vec3> axes{random.unit_vector()};
+  if (random.index(2)) axes.push_back(random.unit_vector());
+  return *ActuationModel::from_axes(3, axes);
 }
 
 struct Equivalent {
@@ -114,7 +121,7 @@ TEST(Strategies, ThatForceAndA4DescribeGiveTheirBits) {
   for (const Equivalent& e : kEquivalents) {
     Random random(21);
     for (int run = 0; run < 4; ++run) {
-      const ActuationModel device = some_device(random);
+      const ActuationModel device = motors_anywhere(random);
       HapticSettings stated = settings_of(strategy("cd"));  // leaves nothing behind
       set_strategy(strategy(e.name), stated);
       HapticSettings plain;
@@ -138,7 +145,7 @@ TEST(Strategies, OfAnisotropyOneEqualMaskButForTheFullForce) {
   Random random(22);
   int contacts = 0;
   for (int run = 0; run < 8; ++run) {
-    const ActuationModel device = some_device(random);
+    const ActuationModel device = motors_anywhere(random);
     HapticLoop a(world.world(), device, settings_of({StrategyKind::kAnisotropic, 1.0}));
     HapticLoop b(world.world(), device, settings_of(strategy("mask")));
     for (const Vec3& p : path_into_box(random)) {
@@ -163,7 +170,7 @@ TEST(Strategies, WithAStepOfTheirOwnDifferFromMask) {
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
   for (const char* name : {"a4-anticipate", "anisotropic:4", "cd"}) {
     Random random(23);
-    const ActuationModel device = *ActuationModel::from_counts(3, 1);
+    const ActuationModel device = *ActuationModel::from_axes(3, {Vec3(0.6, 0.8, 0.0)});
     HapticLoop a(world.world(), device, settings_of(strategy(name)));
     HapticLoop b(world.world(), device, settings_of(strategy("mask")));
     bool differs = false;
@@ -216,7 +223,10 @@ TEST(StrategySettings, ThatContradictTheForceOrA4AreRefused) {
   EXPECT_NE(error_of(settings).find("contradicts"), std::string::npos);
   settings = settings_of(strategy("anisotropic:4"));
   settings.god_object.radius_m = 1e-3;
-  EXPECT_NE(error_of(settings).find("is for a point"), std::string::npos) << error_of(settings);
+  const OwnedWorld for_spheres(test::box_soup(Vec3::Constant(0.1)), {}, 1e-3);
+  const auto error = check_settings(for_spheres.world(), settings);
+  ASSERT_TRUE(error);
+  EXPECT_NE(error->problem.find("is for a point"), std::string::npos) << error->to_string();
   settings = settings_of({StrategyKind::kAnisotropic, 17.0});
   EXPECT_NE(error_of(settings).find("expected a number from"), std::string::npos);
   settings = settings_of(strategy("a4-anticipate"));
