@@ -201,5 +201,20 @@ TEST(NearestPlace, HasNoResultWithoutBudget) {
   }
 }
 
+// A search of the whole world counts each body and each pack.
+TEST(NearestPlace, CountsItsWork) {
+  Random random(44);
+  const OwnedBodies bodies({{square(0.1, 400), random.pose(0.1)}});
+  const LiveWorld world(bodies.world());
+  const auto packs = static_cast<WorkUnits>(world.body(0).index->pack_count());
+  ASSERT_GE(packs, 50);
+  NearestPlace nearest;
+  WorkMeter work(kEnough);
+  // The first ball, a sixteenth of the reach, already holds the world.
+  ASSERT_TRUE(nearest.update(world, random.in_box(0.1), 16.0, work));
+  EXPECT_GE(work.used(), work::kBody + packs * work::kPack + work::kNearestPoint);
+  EXPECT_LE(work.used(), work::kBody + packs * (work::kPack + 16 * work::kNearestPoint));
+}
+
 }  // namespace
 }  // namespace palpate

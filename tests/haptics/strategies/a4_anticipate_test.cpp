@@ -212,6 +212,22 @@ TEST(Anticipation, DoesNotTurnForAHandAtRestWithEncoderNoise) {
   }
 }
 
+// A hand that slides along a wall and comes nearer by less than 2 mm/s touches before it turns.
+TEST(Anticipation, DoesNotTurnForASlowApproachOfAFastHand) {
+  Random random(50);
+  for (int trial = 0; trial < 20; ++trial) {
+    Approach approach(random, device(3, 1), random.uniform(0.3, 1.5), anticipating());
+    approach.begin_at(3e-3);
+    const Vec3 aside = approach.normal().unitOrthogonal();
+    for (int n = 0; n < 10000; ++n) {
+      approach.device_m() += kTick_s * 0.05 * aside;
+      const TickRecord& record = approach.tick(1.9e-3);
+      if (record.contact) break;
+      ASSERT_EQ(record.rotation_rad, 0.0) << "trial " << trial << ", tick " << n;
+    }
+  }
+}
+
 TEST(Anticipation, DoesNotTurnForAHandThatMovesAway) {
   Random random(56);
   for (int trial = 0; trial < 40; ++trial) {
