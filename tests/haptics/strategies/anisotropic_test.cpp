@@ -140,6 +140,29 @@ WideMat3 weights(double E, const ActuationModel& device) {
   return WideMat3::Identity() + (Wide{E} - 1) * (WideMat3::Identity() - P);
 }
 
+// The nearest points of a line and of a plane: what is left of the vector is orthogonal to them in
+// the norm of W.
+TEST(AnisotropicNorm, FindsTheNearestPointsOfLinesAndPlanes) {
+  Random random(34);
+  for (int n = 0; n < 10000; ++n) {
+    const ActuationModel device = device_with_motors(random);
+    const double E = std::pow(16.0, random.uniform(-1.0, 1.0));
+    const AnisotropicNorm norm = anisotropic_norm(E, device, Mat3::Identity());
+    const Mat3 W = weights(E, device).cast<double>();
+    const Vec3 v = random.in_box(1.0);
+    const Vec3 line = random.unit_vector();
+    const double rounding = 16 * 64 * 0x1p-52;  // the norm weighs a rounding by up to 16
+    ASSERT_NEAR(norm.length(v), std::sqrt(v.dot(W * v)), rounding);
+    const Vec3 on_line = norm.along(v, line);
+    ASSERT_LT(on_line.cross(line).norm(), rounding);
+    ASSERT_NEAR(line.dot(W * (v - on_line)), 0.0, rounding);
+    const Vec3 on_plane = norm.within(v, line);
+    ASSERT_NEAR(on_plane.dot(line), 0.0, rounding);
+    const Vec3 left = W * (v - on_plane);
+    ASSERT_NEAR((left - left.dot(line) * line).norm(), 0.0, rounding);
+  }
+}
+
 // In every tick on a fixed mesh, the spring K/2 |p - x|^2 in the norm of W gains no more than the
 // work of F_W and the leak K/2 |dx|^2 in that norm.
 TEST(AnisotropicCertificate, HoldsInTheNormOfWInHardScenes) {
