@@ -22,6 +22,10 @@ struct HapticSettings;
 //                         t the shortest tick for which the damper is bounded (kShortestTick_s)
 //   a4.profile            three finite numbers, > 0
 //   plane_height_m        finite
+//   strategy              empty, or as set_strategy() sets it with force and a4; `anisotropic`
+//   needs
+//                         a point, and a world without effects other than stiffness and damping
+//   anticipation          with a strategy: finite numbers, range_m > 0, the other >= 0
 //   initial_pose          finite, with a quaternion of length 1 (is_pose), and at most
 //                         farthest_place_m() from the device's origin: a device's positions have 53
 //                         bits, and a large distance leaves fewer of them for the scene

@@ -7,6 +7,7 @@
 
 #include "haptics/check_settings.h"
 #include "haptics/haptic_loop_steps.h"
+#include "haptics/haptic_loop_strategies.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -35,9 +36,14 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
                                               settings.coupling, settings.measures_effects);
     step_ = step_with_effects(world.effects->needs);
   }
+  if (settings.strategy && !has_bad_settings_) use_strategy();
   body_motions_.reserve(std::min(LiveWorld::kMostMoving, world.bodies.size()));
   motion_of_body_.assign(world.bodies.size(), kNoMotion);
 }
+
+HapticLoop::HapticLoop(HapticLoop&&) noexcept = default;
+HapticLoop& HapticLoop::operator=(HapticLoop&&) noexcept = default;
+HapticLoop::~HapticLoop() = default;
 
 const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept {
   ++record_.tick;
@@ -134,7 +140,7 @@ void HapticLoop::set_actuation(const ActuationModel& actuation) noexcept {
 }
 
 void HapticLoop::set_a4(bool enabled) noexcept {
-  if (enabled == settings_.a4.enabled) return;
+  if (enabled == settings_.a4.enabled || settings_.strategy) return;
   settings_.a4.enabled = enabled;
   theoretical_rotation_.reset();
 }

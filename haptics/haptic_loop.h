@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "haptics/a4/actuation.h"
-#include "haptics/a4/elementary_rotation.h"
 #include "haptics/a4/scene_pose.h"
 #include "haptics/a4/theoretical_rotation.h"
 #include "haptics/effects/effect_runner.h"
@@ -18,33 +17,10 @@
 #include "haptics/proxy/contact_world.h"
 #include "haptics/proxy/god_object.h"
 #include "haptics/record_vectors.h"
+#include "haptics/strategies/haptic_settings.h"
 #include "palpate/record.h"
 
 namespace palpate {
-
-// The part of the force that the loop commands. The mode does not affect the rotation by A4.
-enum class ForceMode : std::uint8_t {
-  kNone,
-  kActuated,  // projected on the actuated axes
-  kFull       // not projected, as if every axis had an actuator
-};
-
-struct A4Settings {
-  bool enabled = true;
-  Table1Form table1 = Table1Form::kCorrected;
-  RotationProfile profile;
-  StepRule step = StepRule::kExact;
-};
-
-struct HapticSettings {
-  GodObjectSettings god_object;
-  CouplingSettings coupling;
-  ForceMode force = ForceMode::kActuated;
-  A4Settings a4;
-  double plane_height_m = 0.0;    // 2 sensors: z of the device point and the proxy, device frame
-  ScenePose initial_pose;         // T_device_scene at the first tick
-  bool measures_effects = false;  // measures the time of each effect, which costs clock reads
-};
 
 // The longest valid time step. A force that is held longer cannot follow a hand.
 inline constexpr double kLongestTick_s = 1.0;
@@ -68,6 +44,10 @@ class HapticLoop {
   // tick reports kFaultBadSettings and commands zero force.
   HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
              const HapticSettings& settings);
+  // A moved-from loop may only be destroyed.
+  HapticLoop(HapticLoop&&) noexcept;
+  HapticLoop& operator=(HapticLoop&&) noexcept;
+  ~HapticLoop();
 
   // Runs one tick and returns its record, which is valid until the next tick. p_device_m: sensed
   // position, device frame. dt_s: time since the last tick, > 0 and at most kLongestTick_s. The
@@ -122,9 +102,12 @@ class HapticLoop {
   // declare none. They apply from the next tick on. A loop that is switched before its first tick
   // equals, to the bit, a loop that was constructed with these settings. A4 chooses its direction
   // anew when it is turned on, as in a new contact. The numbers must be such that check_settings()
-  // allows them. Call on the haptic thread.
+  // allows them. A4 and the force of a loop with a strategy (HapticSettings::strategy) belong to
+  // the strategy; set_a4() and set_force() then change nothing. Call on the haptic thread.
   void set_a4(bool enabled) noexcept;
-  void set_force(ForceMode force) noexcept { settings_.force = force; }
+  void set_force(ForceMode force) noexcept {
+    if (!settings_.strategy) settings_.force = force;
+  }
   void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
 
   // The present settings, with what the functions above have changed, and the present motors. Call
@@ -156,9 +139,15 @@ class HapticLoop {
 
  private:
   // Actions 2 to 6 of a tick, defined in haptic_loop_steps.h. kNeeds: the needs of the world's
-  // effects, as far as they select a step (kStepNeeds).
+  // effects, as far as they select a step (kStepNeeds), and kInAnisotropicNorm.
   using Step = void (HapticLoop::*)(double dt_s);
   static Step step_with_effects(std::uint32_t needs);
+  // Replaces the step by that of the strategy: haptic_loop_strategies.cpp.
+  void use_strategy();
+  void step_anticipating(double dt_s);
+  void step_following(double dt_s);
+  void anticipate(double dt_s);
+  void follow_hand();
   template <std::uint32_t kNeeds>
   void step(double dt_s);
   template <std::uint32_t kNeeds>
@@ -167,6 +156,7 @@ class HapticLoop {
   // measurable in short ticks.
   template <std::uint32_t kNeeds>
   [[gnu::always_inline]] void detect_collision();
+  void move_proxy_in_norm(const Vec3& goal_solver);
   [[gnu::always_inline]] std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
   template <std::uint32_t kNeeds>
   void find_contact_normal();
@@ -184,6 +174,7 @@ class HapticLoop {
   void move_bodies();
   std::optional<Vec3> motion_plane_normal() const;
   void command(const Vec3& force_N);
+  void command_in_norm(const Vec3& force_N);
   void refuse_force();
   void set_zero_force();
   void place_scene(const ScenePose& T_device_scene);
@@ -216,10 +207,12 @@ class HapticLoop {
   Step step_;
   Step step_without_effects_;              // actions 3 to 6 where no effect is near
   std::unique_ptr<EffectRunner> effects_;  // null in a world without effects
-  ContactResponse response_;               // of this tick
-  EffectMotion motion_;                    // of this tick
-  bool last_was_good_ = false;             // the last tick's goal was the hand's position
-  double last_dt_s_ = 0.0;                 // of the last good tick
+  struct StrategyState;
+  std::unique_ptr<StrategyState> strategy_;  // null without HapticSettings::strategy
+  ContactResponse response_;                 // of this tick
+  EffectMotion motion_;                      // of this tick
+  bool last_was_good_ = false;               // the last tick's goal was the hand's position
+  double last_dt_s_ = 0.0;                   // of the last good tick
   std::uint64_t good_ticks_ = 0;
   Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 

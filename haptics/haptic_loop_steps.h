@@ -10,6 +10,10 @@
 
 namespace palpate {
 
+// Not a need of an effect: the proxy rests in the norm of W (strategies/anisotropic.h).
+inline constexpr std::uint32_t kInAnisotropicNorm = 1u << 31;
+inline constexpr std::uint32_t kEffectNeeds = ~kInAnisotropicNorm;
+
 // Provides the god-object with the friction coefficients that a world's effects set for its faces.
 class ConesOfEffects final : public FrictionCones {
  public:
@@ -26,7 +30,7 @@ class ConesOfEffects final : public FrictionCones {
 
 template <std::uint32_t kNeeds>
 void HapticLoop::step(double dt_s) {
-  if constexpr (kNeeds == kNeedsNothing) {
+  if constexpr ((kNeeds & kEffectNeeds) == kNeedsNothing) {
     apply_user_motion();  // action 2
     run_actions<kNeeds>(dt_s);
   } else {
@@ -44,7 +48,7 @@ void HapticLoop::step(double dt_s) {
 
 template <std::uint32_t kNeeds>
 void HapticLoop::run_actions(double dt_s) {
-  if constexpr (kNeeds != kNeedsNothing) motion_ = motion(dt_s);
+  if constexpr ((kNeeds & kEffectNeeds) != kNeedsNothing) motion_ = motion(dt_s);
   detect_collision<kNeeds>();     // action 3
   find_contact_normal<kNeeds>();  // action 4
   render_force<kNeeds>(dt_s);
@@ -57,12 +61,14 @@ void HapticLoop::run_actions(double dt_s) {
 template <std::uint32_t kNeeds>
 inline void HapticLoop::detect_collision() {
   const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));
-  if constexpr (kNeeds != kNeedsNothing) effects_->begin_tick();
+  if constexpr ((kNeeds & kEffectNeeds) != kNeedsNothing) effects_->begin_tick();
   if (!has_proxy_) {
     god_object_.place(goal_solver);
     proxy_state_ = {};
     proxy_state_.proxy = god_object_.proxy();
     has_proxy_ = true;
+  } else if constexpr ((kNeeds & kInAnisotropicNorm) != 0) {
+    move_proxy_in_norm(goal_solver);
   } else if constexpr ((kNeeds & kNeedsStickSlip) != 0) {
     ConesOfEffects cones(*effects_, god_object_.world());
     const FrictionSource source{cones, view(record_.device_m).lpNorm<1>() +
@@ -109,7 +115,9 @@ void HapticLoop::render_force(double dt_s) {
     coupling_.reset();
     if constexpr ((kNeeds & kNeedsSurroundings) == 0) {
       set_zero_force();
-      if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
+      if constexpr ((kNeeds & kEffectNeeds) != kNeedsNothing) {
+        record_.effects = effects_->end_tick();
+      }
       return;
     }
   }
@@ -117,7 +125,8 @@ void HapticLoop::render_force(double dt_s) {
     force_N += effects_->surroundings_force_N(god_object_.world(), proxy_state_,
                                               view(record_.normal_scene), motion_);
   }
-  if constexpr (kNeeds != kNeedsNothing) record_.effects = effects_->end_tick();
+  if constexpr ((kNeeds & kEffectNeeds) != kNeedsNothing) record_.effects = effects_->end_tick();
+  if constexpr ((kNeeds & kInAnisotropicNorm) != 0) return command_in_norm(force_N);
   command(force_N);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The mean speed of a device over a short window of time.
+// The mean speed and the mean velocity of a device over a short window of time.
 
 #include <array>
 #include <cstddef>
@@ -42,6 +42,12 @@ class SpeedWindow {
   std::optional<double> speed_m_per_s() const noexcept {
     if (!has_newest_ || count_ == 0 || !is_old(entry(oldest_))) return std::nullopt;
     return way_m().norm() / time_s();
+  }
+
+  // The way between the same two positions, divided by the same time, m/s, device frame.
+  std::optional<Vec3> velocity_m_per_s() const noexcept {
+    if (!has_newest_ || count_ == 0 || !is_old(entry(oldest_))) return std::nullopt;
+    return Vec3(way_m() / time_s());
   }
 
   // False if speed_m_per_s() has no value or is certainly below a limit. Faster than the speed.

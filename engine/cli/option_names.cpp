@@ -37,6 +37,7 @@ constexpr OptionName kOptionNames[] = {
     {"RunSettings", "place", "--place"},
     {"HapticSettings", "initial_pose", "--place"},
     {"RunSettings", "moves", "--move"},
+    {"HapticSettings", "strategy", "--strategy"},
     {"RunSettings", "device.workspace", "--workspace"},
     {"RunSettings", "device.damping_Ns_per_m", "--device-damping"},
     {"ExplorationSettings", "seconds", "--seconds"},

@@ -12,6 +12,7 @@
 #include "engine/cli/option_names.h"
 #include "engine/cli/report.h"
 #include "engine/cli/setting_texts.h"
+#include "engine/cli/strategy_option.h"
 #include "engine/recording/recording_replay.h"
 #include "geometry/base/printable.h"
 
@@ -20,9 +21,25 @@ namespace {
 
 constexpr int kDiffers = 1;
 
+// The governor would drop what the recorded motors cannot push. The simulated hand's device gets a
+// motor on every axis for `full`, as in `run`; the motors of other devices are what they are.
+std::optional<Error> apply_strategy(const Strategy& strategy, RecordedSession& session) {
+  DeviceDescription& device = session.device;
+  if (strategy.kind == StrategyKind::kFull && !device.moves_motors) {
+    give_all_motors(device, device.sensed_axes);
+  }
+  if (auto error = check_motors(strategy, device)) return error;
+  set_strategy(strategy, session.setup.haptics);
+  return std::nullopt;
+}
+
 // Changes the settings of the recording as the request states.
 std::optional<Error> apply_request(const RecordedReplayRequest& request, RecordedSession& session) {
   HapticSettings& haptics = session.setup.haptics;
+  if (request.a4 || request.force) haptics.strategy.reset();
+  if (request.strategy) {
+    if (auto error = apply_strategy(*request.strategy, session)) return error;
+  }
   if (request.a4) haptics.a4.enabled = *request.a4;
   if (request.force) haptics.force = *request.force;
   if (request.accuracy) haptics.god_object.accuracy = *request.accuracy;
@@ -38,9 +55,10 @@ std::optional<Error> apply_request(const RecordedReplayRequest& request, Recorde
 
 ReplayChange change_of(const RecordedReplayRequest& request) {
   ReplayChange change;
-  change.ignores_a4 = request.a4.has_value();
-  change.ignores_force = request.force.has_value();
-  change.has_all_motors = request.force == ForceMode::kFull;
+  change.ignores_a4 = request.a4 || request.strategy;
+  change.ignores_force = request.force || request.strategy;
+  change.has_all_motors = request.force == ForceMode::kFull ||
+                          (request.strategy && request.strategy->kind == StrategyKind::kFull);
   change.ignores_coupling = request.stiffness_N_per_m || request.damping_Ns_per_m;
   change.ignores_effects = !request.materials.empty();
   return change;

@@ -16,6 +16,8 @@ struct RecordedReplayRequest {
   std::string scene;  // where the scene is now; empty: where it was
   bool json = false;
   std::vector<std::string> materials;  // "NAME.key=value" each
+  std::optional<Strategy> strategy = {};
+  // Either ends the strategy of the recording, if it has one that is more than force and A4.
   std::optional<bool> a4 = {};
   std::optional<ForceMode> force = {};
   std::optional<Accuracy> accuracy = {};
@@ -23,7 +25,8 @@ struct RecordedReplayRequest {
   std::optional<double> damping_Ns_per_m = {};
 
   bool asks_what_if() const {
-    return !materials.empty() || a4 || force || accuracy || stiffness_N_per_m || damping_Ns_per_m;
+    return !materials.empty() || strategy || a4 || force || accuracy || stiffness_N_per_m ||
+           damping_Ns_per_m;
   }
 };
 

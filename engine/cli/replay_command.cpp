@@ -19,6 +19,7 @@
 #include "engine/cli/report.h"
 #include "engine/cli/run_options.h"
 #include "engine/cli/scene_options.h"
+#include "engine/cli/strategy_option.h"
 #include "engine/recording/recording_reader.h"
 #include "engine/session/replay.h"
 #include "engine/session/trace_csv.h"
@@ -57,8 +58,8 @@ CLI::App* ReplayCommand::add_to(CLI::App& program) {
            "The first line of the example records the path that the second one plays.\n\n"
            "`replay FILE`, with a file that --record has written in place of the scene, computes "
            "the same session\nagain. Exit code 0: every bit is the same; 1: a bit differs, or "
-           "ticks are missing. With --material,\n--a4, --force, --accuracy, --stiffness or "
-           "--damping it shows what the same path gives under these settings.\n");
+           "ticks are missing. With --material,\n--strategy, --a4, --force, --accuracy, "
+           "--stiffness or --damping it shows what the same path gives\nunder these settings.\n");
   app.add_option(
       "--trajectory", trajectory_,
       "device positions, one \"[t] x y z\" per line, in metres, or a trace of run or replay; "
@@ -75,15 +76,16 @@ CLI::App* ReplayCommand::add_to(CLI::App& program) {
                    "turn the scene while in contact")
       ->group(kA4Group);
   add_rotation(app, settings);
+  add_strategy(app, settings.strategy);
   app.add_option("--out", trace_, "CSV file of the trace")->group(kOutputGroup);
   add_output(app, settings, json_);
   return &app;
 }
 
 // The options that a recording can be replayed with.
-constexpr std::array kRecordingOptions = {"SCENE",       "--scene",   "--material",
-                                          "--a4",        "--force",   "--accuracy",
-                                          "--stiffness", "--damping", "--json"};
+constexpr std::array kRecordingOptions = {"SCENE",     "--scene", "--material", "--strategy",
+                                          "--a4",      "--force", "--accuracy", "--stiffness",
+                                          "--damping", "--json"};
 
 int ReplayCommand::replay_recording() {
   for (const CLI::Option* option : app_->get_options()) {
@@ -93,7 +95,7 @@ int ReplayCommand::replay_recording() {
     if (option->count() > 0 && !is_known) {
       return refuse(invalid_argument(
           name,
-          "is not for a recording; expected --material, --a4, --force, --accuracy, "
+          "is not for a recording; expected --material, --strategy, --a4, --force, --accuracy, "
           "--stiffness or --damping"));
     }
   }
@@ -104,6 +106,7 @@ int ReplayCommand::replay_recording() {
   request.json = json_;
   request.materials = scene_.materials;
   const RunSettings& settings = options_.settings;
+  request.strategy = settings.strategy;
   if (is_given("--a4")) request.a4 = settings.a4;
   if (is_given("--force")) request.force = settings.force;
   if (is_given("--accuracy")) request.accuracy = settings.accuracy;
@@ -113,6 +116,10 @@ int ReplayCommand::replay_recording() {
 }
 
 int ReplayCommand::run(const std::vector<std::string>&) {
+  const auto is_given = [this](const std::string& name) {
+    return app_->get_option(name)->count() > 0;
+  };
+  if (const auto error = check_strategy_options(is_given)) return refuse(*error);
   if (is_recording(scene_.path)) return replay_recording();
   if (trajectory_.empty()) {
     return refuse(invalid_argument("--trajectory", "is missing; it is required beside a scene",

@@ -23,6 +23,7 @@
 #include "engine/cli/run_on_device.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/report/csv.h"
 #include "engine/report/output_files.h"
@@ -239,7 +240,9 @@ class RunCommand final : public Command {
     const auto is_given = [this](const std::string& name) {
       return app_->get_option(name)->count() > 0;
     };
+    if (const auto error = check_strategy_options(is_given)) return refuse(*error);
     if (const auto error = check_device_options(request_, is_given)) return refuse(*error);
+    take_strategy(request_);
     return request_.device.text.empty() ? palpate::run(request_)
                                         : run_on_device(request_, is_given);
   }
@@ -291,6 +294,7 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
       "or off [off]")
       ->group(kA4Group);
   add_rotation(app, settings);
+  add_strategy(app, settings.strategy);
   app.add_option("--out", request_.out_dir, "folder of the traces and the picture")
       ->capture_default_str()
       ->group(kOutputGroup);

@@ -19,6 +19,7 @@
 #include "engine/cli/report.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/devices/device_options.h"
 #include "engine/devices/hapi_device.h"
@@ -202,6 +203,11 @@ std::optional<Error> check_device_options(const RunRequest& request, const IsGiv
   return std::nullopt;
 }
 
+void take_strategy(RunRequest& request) {
+  const auto& strategy = request.options.settings.strategy;
+  if (strategy) request.a4 = has_a4(*strategy) ? A4Runs::kOn : A4Runs::kOff;
+}
+
 void describe_device(const DeviceDescription& device, const IsGiven& is_given,
                      RunRequest& request) {
   RunSettings& settings = request.options.settings;
@@ -234,6 +240,9 @@ int run_on_device(RunRequest request, const IsGiven& is_given) {
   describe_device(device.description(), is_given, request);
   const Result<PreparedRun> prepared = prepare_run(request);
   if (!prepared) return refuse(with_path(prepared.error(), request.scene.path));
+  if (const auto error = check_motors(request.options.settings.strategy, prepared->setup.device)) {
+    return refuse(*error);
+  }
   return run_prepared(request, *prepared, device, settings_of(request, *prepared, is_given));
 }
 

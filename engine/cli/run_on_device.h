@@ -23,6 +23,9 @@ using IsGiven = std::function<bool(const std::string&)>;
 // a device.
 std::optional<Error> check_device_options(const RunRequest& request, const IsGiven& is_given);
 
+// Makes the one run of a strategy, if the request names one.
+void take_strategy(RunRequest& request);
+
 // The settings of a run with the properties of the device. The device has no workspace across its
 // plane; the scene may have any height there.
 void describe_device(const DeviceDescription& device, const IsGiven& is_given, RunRequest& request);

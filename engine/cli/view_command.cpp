@@ -22,6 +22,7 @@
 #include "engine/cli/run_on_device.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/strategy_option.h"
 #include "engine/devices/device_options.h"
 #include "engine/devices/hapi_device.h"
 #include "engine/viewer/http_rules.h"
@@ -134,6 +135,10 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
   auto prepared = prepare_run(request.run);
   if (!prepared) return refuse(with_path(prepared.error(), request.run.scene.path));
   prepared->setup.haptics.a4.enabled = request.run.a4 == A4Runs::kOn;
+  if (device != nullptr) {
+    const auto error = check_motors(request.run.options.settings.strategy, prepared->setup.device);
+    if (error) return refuse(*error);
+  }
   if (const auto error = check_setup(prepared->scene, prepared->setup)) return refuse(*error);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   auto recorder =
@@ -207,6 +212,7 @@ CLI::App* ViewCommand::add_to(CLI::App& program) {
                      "turn the scene at first: on or off")
       ->group(kA4Group);
   add_rotation(app, settings);
+  add_strategy(app, settings.strategy);
   add_record(app, run.record);
   add_page(app);
   return &app;
@@ -247,8 +253,10 @@ int ViewCommand::run(const std::vector<std::string>& /*arguments*/) {
     const CLI::Option* const option = app_->get_option_no_throw(name);
     return option != nullptr && option->count() > 0;
   };
+  if (const auto error = check_strategy_options(is_given)) return refuse(*error);
   if (const auto error = check_device_options(request_.run, is_given)) return refuse(*error);
   if (const auto error = check_hosts(request_.server.allowed_hosts)) return refuse(*error);
+  take_strategy(request_.run);
   if (const auto error = check_recording_names({request_.run.record})) return refuse(*error);
   return request_.run.device.text.empty() ? view(request_, nullptr, is_given)
                                           : view_with_device(request_, is_given);

@@ -26,12 +26,7 @@ class RecordedDevice final : public Device {
   // has_all_motors: every sensed axis has a motor, whatever was recorded.
   RecordedDevice(DeviceDescription description, bool has_all_motors)
       : description_(std::move(description)), has_all_motors_(has_all_motors) {
-    if (!has_all_motors_) return;
-    description_.motor_count = description_.sensed_axes;
-    for (std::size_t i = 0; i < description_.motors.size(); ++i) {
-      description_.motors[i] = {};
-      description_.motors[i].direction_device[i] = 1.0;
-    }
+    if (has_all_motors_) give_all_motors(description_, description_.sensed_axes);
   }
 
   void set_row(const TickReading& reading, bool asks_for_trip) {

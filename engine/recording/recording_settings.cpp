@@ -69,6 +69,15 @@ void visit_haptics(HapticSettings& s, Visit& visit) {
   visit("measures_effects", s.measures_effects);
 }
 
+// The keys exist only for a strategy that is more than force and A4.
+constexpr const char* kStrategyKey = "strategy";
+
+template <typename Visit>
+void visit_anticipation(AnticipationSettings& s, Visit& visit) {
+  visit("strategy.range_m", s.range_m);
+  visit("strategy.least_approach_m_per_s", s.least_approach_m_per_s);
+}
+
 template <typename Visit>
 void visit_setup(RecordedSetup& s, Visit& visit) {
   visit("scene.path", s.scene_path);
@@ -189,6 +198,23 @@ class MetaReader {
   const RecordingMeta& meta_;
   std::optional<Error> error_;
 };
+
+void write_strategy(HapticSettings& settings, MetaWriter& writer) {
+  if (!settings.strategy) return;
+  writer(kStrategyKey, name_of(*settings.strategy));
+  visit_anticipation(settings.anticipation, writer);
+}
+
+// A strategy that this build does not know is refused by name.
+void read_strategy(MetaReader& reader, HapticSettings& settings) {
+  if (!reader.has(kStrategyKey)) return;
+  std::string name;
+  reader(kStrategyKey, name);
+  visit_anticipation(settings.anticipation, reader);
+  const auto strategy = parse_strategy(name);
+  if (!strategy) return reader.fail(kStrategyKey, strategy.error().problem);
+  if (has_own_step(strategy->kind)) settings.strategy = *strategy;
+}
 
 std::string effects_text() {
   std::string names;
@@ -322,6 +348,7 @@ Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup) {
   meta["effects"] = effects_text();
   RecordedSetup copy = setup;
   visit_setup(copy, writer);
+  write_strategy(copy.haptics, writer);
   std::error_code failed;
   meta["scene.place"] = fs::absolute(setup.scene_path, failed).string();
   meta["scene.overrides"] = overrides_json(setup.scene.overrides);
@@ -354,6 +381,7 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
   check_table("columns", recorded_columns_json(), reader);
   check_table("effects", effects_text(), reader);
   visit_setup(session.setup, reader);
+  read_strategy(reader, session.setup.haptics);
   reader("scene.place", session.scene_place);
   std::string overrides;
   reader("scene.overrides", overrides);

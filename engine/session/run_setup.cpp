@@ -126,12 +126,21 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   setup.haptics.coupling = {settings.stiffness_N_per_m, settings.damping_Ns_per_m, *velocity};
   setup.haptics.force = settings.force;
   setup.haptics.a4.enabled = settings.a4;
+  if (settings.strategy) set_strategy(*settings.strategy, setup.haptics);
   setup.haptics.a4.table1 = settings.table1;
   setup.haptics.a4.step = settings.a4_step;
   setup.haptics.plane_height_m = settings.plane_height_m.value_or(0.0);
   setup.haptics.initial_pose = settings.place;
   setup.haptics.measures_effects = settings.effect_times;
   return setup;
+}
+
+void give_all_motors(DeviceDescription& device, int sensors) {
+  device.motor_count = sensors;
+  for (int i = 0; i < sensors; ++i) {
+    const Vec3 axis = Vec3::Unit(i);
+    device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(), axis.z()};
+  }
 }
 
 std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup) {

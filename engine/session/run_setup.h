@@ -26,6 +26,8 @@ struct RunSettings {
   std::vector<Vec3> actuated_axes;  // directions, device frame; empty: A1, A2, A3 in this order
   ForceMode force = ForceMode::kActuated;
   bool a4 = false;
+  // Replaces `force` and `a4`. No value: the two count.
+  std::optional<Strategy> strategy = {};
   Table1Form table1 = Table1Form::kCorrected;
   StepRule a4_step = StepRule::kExact;
   Accuracy accuracy;
@@ -60,6 +62,10 @@ struct RunSetup {
 // Checks that all settings are finite and within their ranges, and creates the setup. An error
 // names the field of RunSettings.
 Result<RunSetup> make_setup(const RunSettings& settings);
+
+// Gives a device a motor along every sensed axis, as the simulated hand's device has under
+// ForceMode::kFull.
+void give_all_motors(DeviceDescription& device, int sensors);
 
 // Returns an error if the haptic loop would refuse this setup in every tick on this scene
 // (check_settings, is_time_step), or if the device has no workspace for the simulated hand. The

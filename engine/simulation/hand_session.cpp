@@ -14,12 +14,7 @@ std::vector<TickObserver*> with_last(std::vector<TickObserver*> observers, TickO
 // fully actuated.
 PlantSettings with_motors(PlantSettings plant, const RunSetup& setup) {
   if (setup.haptics.force != ForceMode::kFull) return plant;
-  DeviceDescription& device = plant.device;
-  device.motor_count = setup.actuation.sensors();
-  for (int i = 0; i < device.motor_count; ++i) {
-    const Vec3 axis = Vec3::Unit(i);
-    device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(), axis.z()};
-  }
+  give_all_motors(plant.device, setup.actuation.sensors());
   return plant;
 }
 

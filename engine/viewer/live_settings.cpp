@@ -39,14 +39,26 @@ LiveSettings::LiveSettings(const Scene& scene, const RunSetup& setup)
   taken_ = wanted_;
 }
 
-void LiveSettings::set_a4(bool enabled) {
-  wanted_.a4 = enabled ? 1 : 0;
-  publish();
+std::optional<Error> LiveSettings::check_strategy(const char* name) const {
+  if (!checked_.strategy) return std::nullopt;
+  return invalid_argument(name,
+                          "belongs to the strategy " + name_of(*checked_.strategy) +
+                              " of this session; expected no change",
+                          "start the session with another --strategy");
 }
 
-void LiveSettings::set_force(ForceMode force) {
+std::optional<Error> LiveSettings::set_a4(bool enabled) {
+  if (auto error = check_strategy("a4")) return error;
+  wanted_.a4 = enabled ? 1 : 0;
+  publish();
+  return std::nullopt;
+}
+
+std::optional<Error> LiveSettings::set_force(ForceMode force) {
+  if (auto error = check_strategy("force")) return error;
   wanted_.force = static_cast<std::uint32_t>(force);
   publish();
+  return std::nullopt;
 }
 
 std::optional<Error> LiveSettings::set_stiffness(double stiffness_N_per_m) {

@@ -34,8 +34,9 @@ class LiveSettings final : public BeforeTick {
   LiveSettings(const Scene& scene, const RunSetup& setup);
 
   // Each returns an Error that names the setting, and changes nothing, if the value is refused.
-  void set_a4(bool enabled);
-  void set_force(ForceMode force);
+  // A4 and the force belong to the strategy of a session that is more than these two.
+  std::optional<Error> set_a4(bool enabled);
+  std::optional<Error> set_force(ForceMode force);
   std::optional<Error> set_stiffness(double stiffness_N_per_m);
   std::optional<Error> set_damping(double damping_Ns_per_m);
   // Independent directions in the sensed span, at most as many as sensors; none: no actuator.
@@ -76,6 +77,7 @@ class LiveSettings final : public BeforeTick {
   };
 
   void publish();
+  std::optional<Error> check_strategy(const char* name) const;
   std::optional<Error> check_coupling(const Values& values) const;
   void find_motors() noexcept;
   void apply(LoopChanges loop) const noexcept;

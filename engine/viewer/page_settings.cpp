@@ -86,10 +86,7 @@ void PageSettings::add_loop_settings(bool has_axes, bool has_full_force) {
 void PageSettings::add_a4() {
   Setting setting{"a4", "A4", "flag", "", 0.0, 0.0, {}, "a"};
   setting.change = [this](const SettingValue& value) {
-    return with<bool>("a4", "true or false", value, [this](bool on) -> std::optional<Error> {
-      live_.set_a4(on);
-      return std::nullopt;
-    });
+    return with<bool>("a4", "true or false", value, [this](bool on) { return live_.set_a4(on); });
   };
   setting.value = [this] { return Json(live_.a4()); };
   settings_.push_back(std::move(setting));
@@ -112,9 +109,8 @@ void PageSettings::add_axes() {
 void PageSettings::add_force(bool has_full_force) {
   Setting setting{"force", "force", "choice", "", 0.0, 0.0, {}, "f"};
   setting.choices.assign(kForces.begin(), kForces.end() - (has_full_force ? 0 : 1));
-  const auto set = [this](double index) -> std::optional<Error> {
-    live_.set_force(static_cast<ForceMode>(static_cast<int>(index)));
-    return std::nullopt;
+  const auto set = [this](double index) {
+    return live_.set_force(static_cast<ForceMode>(static_cast<int>(index)));
   };
   add_choice(std::move(setting), set, [this] { return static_cast<double>(live_.force()); });
 }

@@ -32,12 +32,7 @@ PlantSettings plant_of(const RunSetup& setup) {
   plant.device = setup.device;
   plant.intention_noise_m = 0.0;
   if (setup.haptics.force != ForceMode::kFull) return plant;
-  plant.device.motor_count = setup.actuation.sensors();  // as in HandSession
-  for (int i = 0; i < plant.device.motor_count; ++i) {
-    const Vec3 axis = Vec3::Unit(i);
-    plant.device.motors[static_cast<std::size_t>(i)].direction_device = {axis.x(), axis.y(),
-                                                                         axis.z()};
-  }
+  give_all_motors(plant.device, setup.actuation.sensors());  // as in HandSession
   return plant;
 }
 

@@ -31,4 +31,8 @@ enum class StepRule : std::uint8_t {
 double elementary_rotation_rad(const RotationProfile& profile, StepRule rule, double angle_rad,
                                double dt_s) noexcept;
 
+// The time in which the profile turns by angle_rad >= 0 to 0, by StepRule::kExact. Thread-safe; no
+// allocation.
+double alignment_time_s(const RotationProfile& profile, double angle_rad) noexcept;
+
 }  // namespace palpate

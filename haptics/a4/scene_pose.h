@@ -15,13 +15,18 @@ using ScenePose = RigidTransform;
 // The pivot therefore keeps its place, regardless of the rounding of q'. The quaternion is
 // renormalised, so that its length stays within 4 ulp of 1 after any number of ticks.
 inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot_scene_m,
-                              const AxisAngle& turn) noexcept {
+                              const Vec3& pivot_device_m, const AxisAngle& turn) noexcept {
   const Quat step(Eigen::AngleAxisd(turn.angle_rad, turn.axis_device));
-  const Vec3 pivot_device = T_device_scene.point(pivot_scene_m);
   ScenePose turned;
   turned.rotation = (step * T_device_scene.rotation).normalized();
-  turned.translation_m = pivot_device - turned.rotation * pivot_scene_m;
+  turned.translation_m = pivot_device_m - turned.rotation * pivot_scene_m;
   return turned;
+}
+
+// The same for a pivot whose place in the device frame follows from the pose.
+inline ScenePose turned_about(const ScenePose& T_device_scene, const Vec3& pivot_scene_m,
+                              const AxisAngle& turn) noexcept {
+  return turned_about(T_device_scene, pivot_scene_m, T_device_scene.point(pivot_scene_m), turn);
 }
 
 // The frame that the display shows. Classical: the device frame, in which the proxy moves. Camera

@@ -386,11 +386,6 @@ void GodObject::return_to(const ProxyPlace& place) {
   planes_are_current_ = place.planes_are_current;
 }
 
-// Whether `to` is nearer to the goal than `from` by more than little_m().
-bool GodObject::is_gain(const Vec3& from, const Vec3& to) const {
-  return (from - goal_).norm() - (to - goal_).norm() > little_m();
-}
-
 // The unit component of a direction in the plane of motion, or the direction itself without such a
 // plane. Nullopt if the direction has no component there.
 std::optional<Vec3> GodObject::in_motion_plane(const Vec3& direction) const {

@@ -19,6 +19,8 @@
 
 namespace palpate {
 
+class AnisotropicNorm;
+
 struct GodObjectSettings {
   double radius_m = 0.0;  // 0: a point
   Accuracy accuracy = {};
@@ -161,6 +163,13 @@ class GodObject {
   ProxyState move_with_friction(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                                 const FrictionSource& friction) noexcept;
 
+  // Like move_to(), for a point, but "nearer" and "distance" are meant in this norm, in all that
+  // the class comment says about rests, about capped ticks and about monotony; thresholds of
+  // lengths are, too. What a segment may cross and the distance that it keeps from triangles stay
+  // Euclidean. Refuses a sphere.
+  ProxyState move_in_norm(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
+                          const AnisotropicNorm& norm) noexcept;
+
   // Makes the present contact stick like a new one. To be called in a tick that commands no force.
   void end_friction() noexcept { slides_ = false; }
 
@@ -221,7 +230,8 @@ class GodObject {
   void keep_step_for_next_tick();
   ProxyState move_freely();
   void seed_from_last_tick();
-  // Friction is a policy: NoFriction or CoulombFriction. Defined in god_object_steps.h.
+  // Friction is a policy, which also states the norm of distances to the goal: NoFriction,
+  // CoulombFriction or InNorm. Defined in god_object_steps.h.
   template <typename Friction>
   ProxyState move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                   Friction& friction);
@@ -241,8 +251,9 @@ class GodObject {
   // Whether a step is too small to continue. In the first tick of a goal, the length of the step
   // decides, so that the proxy ends where it will stay. In later ticks with the same goal, the gain
   // decides, because short steps that gain almost nothing would lead far in a flat valley.
-  bool is_little(const Vec3& step) const {
-    return goal_waits_ ? !may_gain_by(step) : step.norm() <= little_m();
+  template <typename Friction>
+  bool is_little(const Friction& friction, const Vec3& step) const {
+    return goal_waits_ ? !may_gain_by(friction, step) : step.norm() <= little_m();
   }
   bool has_converged(const Vec3& step) const {
     return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;
@@ -320,20 +331,25 @@ class GodObject {
   static bool is_beside_face(const FaceContact& contact) {
     return contact.feature != TriangleFeature::kFace;
   }
-  bool is_gain(const Vec3& from, const Vec3& to) const;
-  bool may_gain_by(const Vec3& step) const {
-    return step.allFinite() && is_gain(proxy_, proxy_ + step);
+  template <typename Friction>
+  bool is_gain(const Friction& friction, const Vec3& from, const Vec3& to) const;
+  template <typename Friction>
+  bool may_gain_by(const Friction& friction, const Vec3& step) const {
+    return step.allFinite() && is_gain(friction, proxy_, proxy_ + step);
   }
   void look_around();
   FaceContact contact_of_nearest(const FaceRef& face) const;
   bool is_touched_face(const FaceContact& contact) const;
-  bool is_held_by(std::span<const FaceContact> holding) const;
-  bool is_held_by_faces();
+  template <typename Friction>
+  bool is_held_by(const Friction& friction, std::span<const FaceContact> holding) const;
+  template <typename Friction>
+  bool is_held_by_faces(const Friction& friction);
   double place_roundoff_m() const;
   Faces holding_faces() const;
   bool falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const;
   bool is_stopped_by_rounding(const Vec3& step);
-  void hold_by_most_violated(std::span<const FaceContact> contacts);
+  template <typename Friction>
+  void hold_by_most_violated(const Friction& friction, std::span<const FaceContact> contacts);
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
   Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> nearest) const;
   std::optional<Vec3> in_motion_plane(const Vec3& direction) const;

@@ -1,11 +1,11 @@
 // The faces around a proxy at rest, and tests of whether they hold it: see god_object_escapes.h.
 
+#include "haptics/proxy/god_object_escapes.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
-
-#include "haptics/proxy/god_object_escapes.h"
 
 namespace palpate {
 namespace {
@@ -13,9 +13,6 @@ namespace {
 // Distance in stand-offs within which a point counts as being at a vertex. A point that planes hold
 // at a vertex is a few stand-offs away from it, depending on the angles between the planes.
 constexpr double kAtVertexPerStandOff = 64.0;
-
-// Number of planes added one after the other when many may hold the proxy.
-constexpr int kMostExchanges = 64;
 
 // Rounding of a proxy's position, including its transformation to a body, relative to the scene's
 // size.
@@ -34,27 +31,6 @@ GodObject::Faces GodObject::holding_faces() const {
   Faces holding;
   for (int i = 0; i < projection_.active_count; ++i) holding.add(contacts_[projection_.active[i]]);
   return holding;
-}
-
-// Determines the planes that hold the proxy among any number of contacts: while planes are
-// violated, the most violated plane is added.
-void GodObject::hold_by_most_violated(std::span<const FaceContact> contacts) {
-  plane_count_ = 0;
-  projection_ = project_onto_planes({}, goal_ - proxy_);
-  for (int left = kMostExchanges; left > 0; --left) {
-    const FaceContact* most = nullptr;
-    double by_m = 0.0;
-    for (const FaceContact& contact : contacts) {
-      const double room_m = std::max(0.0, contact.clearance_m - scale().stop_m);
-      const double violation_m = -room_m - contact.normal.dot(projection_.displacement_m);
-      if (violation_m <= by_m) continue;
-      by_m = violation_m;
-      most = &contact;
-    }
-    if (!most || !add_plane(*most)) return;
-    projection_ = project_onto_planes(planes(), goal_ - proxy_);
-    if (!projection_.solved) return;
-  }
 }
 
 // Finds the faces around the proxy, up to kMostAround, sorted by distance. The result is kept for
@@ -105,34 +81,6 @@ FaceContact GodObject::contact_of_nearest(const FaceRef& face) const {
 bool GodObject::is_touched_face(const FaceContact& contact) const {
   return !is_beside_face(contact) && contact.clearance_m <= scale().stand_off_m &&
          !tracer_.decides_by_corners(world_->body(contact.face.body));
-}
-
-// Whether the faces that hold a point prove that it is at rest: the steepest descent that
-// approaches none of them gains too little. The test permits approaches within rounding, since such
-// steps can lead far between nearly parallel faces.
-bool GodObject::is_held_by(std::span<const FaceContact> holding) const {
-  std::array<ContactPlane, 3> planes;
-  for (std::size_t i = 0; i < holding.size(); ++i) {
-    if (!is_touched_face(holding[i])) return false;
-    planes[i] = {plane_normal(i), -place_roundoff_m()};
-  }
-  const PlaneProjection descent =
-      project_onto_planes(std::span(planes).first(holding.size()), goal_ - proxy_);
-  return descent.solved && !may_gain_by(descent.displacement_m);
-}
-
-// As is_held_by(), for all touched faces. The search for the holding faces may end with a subset,
-// which permits a larger gain.
-bool GodObject::is_held_by_faces() {
-  auto& faces = around_->scratch;
-  std::size_t count = 0;
-  for (const FaceContact& contact : around_->all_touched()) {
-    if (!is_touched_face(contact)) continue;
-    faces[count] = contact;
-    faces[count++].clearance_m = scale().stop_m + place_roundoff_m();
-  }
-  hold_by_most_violated(std::span(faces).first(count));
-  return projection_.solved && !may_gain_by(projection_.displacement_m);
 }
 
 // Whether a step in this direction approaches none of the touched faces, except for the rounding of

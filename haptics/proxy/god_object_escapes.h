@@ -45,6 +45,9 @@ constexpr int kMostBends = 8;
 // halvings reduce the angle to 1/4096.
 constexpr int kMostDirectionHalvings = 12;
 
+// Number of planes added one after the other when many may hold the proxy.
+constexpr int kMostExchanges = 64;
+
 // Up to three faces.
 struct GodObject::Faces {
   std::array<FaceContact, 3> contacts;
@@ -79,6 +82,59 @@ struct GodObject::Surroundings {
   }
 };
 
+// Determines the planes that hold the proxy among any number of contacts: while planes are
+// violated, the most violated plane is added.
+template <typename Friction>
+void GodObject::hold_by_most_violated(const Friction& friction,
+                                      std::span<const FaceContact> contacts) {
+  plane_count_ = 0;
+  projection_ = friction.project({}, goal_ - proxy_);
+  for (int left = kMostExchanges; left > 0; --left) {
+    const FaceContact* most = nullptr;
+    double by_m = 0.0;
+    for (const FaceContact& contact : contacts) {
+      const double room_m = std::max(0.0, contact.clearance_m - scale().stop_m);
+      const double violation_m = -room_m - contact.normal.dot(projection_.displacement_m);
+      if (violation_m <= by_m) continue;
+      by_m = violation_m;
+      most = &contact;
+    }
+    if (!most || !add_plane(*most)) return;
+    projection_ = friction.project(planes(), goal_ - proxy_);
+    if (!projection_.solved) return;
+  }
+}
+
+// Whether the faces that hold a point prove that it is at rest: the steepest descent that
+// approaches none of them gains too little. The test permits approaches within rounding, since such
+// steps can lead far between nearly parallel faces.
+template <typename Friction>
+bool GodObject::is_held_by(const Friction& friction, std::span<const FaceContact> holding) const {
+  std::array<ContactPlane, 3> planes;
+  for (std::size_t i = 0; i < holding.size(); ++i) {
+    if (!is_touched_face(holding[i])) return false;
+    planes[i] = {plane_normal(i), -place_roundoff_m()};
+  }
+  const PlaneProjection descent =
+      friction.project(std::span(planes).first(holding.size()), goal_ - proxy_);
+  return descent.solved && !may_gain_by(friction, descent.displacement_m);
+}
+
+// As is_held_by(), for all touched faces. The search for the holding faces may end with a subset,
+// which permits a larger gain.
+template <typename Friction>
+bool GodObject::is_held_by_faces(const Friction& friction) {
+  auto& faces = around_->scratch;
+  std::size_t count = 0;
+  for (const FaceContact& contact : around_->all_touched()) {
+    if (!is_touched_face(contact)) continue;
+    faces[count] = contact;
+    faces[count++].clearance_m = scale().stop_m + place_roundoff_m();
+  }
+  hold_by_most_violated(friction, std::span(faces).first(count));
+  return projection_.solved && !may_gain_by(friction, projection_.displacement_m);
+}
+
 // Tries to improve the position of a proxy that planes hold. Returns true if an attempt succeeded.
 //
 // A point beside a triangle is held by the plane, an edge or a vertex of the triangle. If an
@@ -98,7 +154,7 @@ template <typename Friction>
   }
   if (tracer_.radius_m() > 0.0) return leaves_wedge(friction);
   const Faces holding = holding_faces();
-  if (!Friction::kHolds && is_held_by(holding.all())) return false;
+  if (!Friction::kHolds && is_held_by(friction, holding.all())) return false;
   const bool is_stuck = progress == Progress::kStuck;
   const bool is_beside =
       is_stuck || std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
@@ -106,7 +162,7 @@ template <typename Friction>
   const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
   const ProxyPlace here = place_now();
   look_around();
-  if (tracer_.is_cut_short() || is_held_by_faces()) {
+  if (tracer_.is_cut_short() || is_held_by_faces(friction)) {
     return_to(here);
     return false;
   }
@@ -195,7 +251,7 @@ bool GodObject::slides_up_to_untouched_face(Friction& friction) {
 // Tries a slide along one component of the lag, shortened by the friction of this face.
 template <typename Friction>
 bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& friction) {
-  if (!may_gain_by(along)) return false;
+  if (!may_gain_by(friction, along)) return false;
   return tries(friction, [&] {
     friction.begin_step();
     friction.cone = friction.source->cones.at(face, proxy_);
@@ -208,7 +264,7 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
 // along the faces that this slide meets.
 template <typename Friction>
 bool GodObject::slides_past(Friction& friction) {
-  hold_by_most_violated(around_->all_nearest());
+  hold_by_most_violated(friction, around_->all_nearest());
   return tries(friction, [&] {
     for (int bend = 0; bend < kMostBends; ++bend) {
       if (take_step(friction) != Progress::kStopped) break;
@@ -226,25 +282,27 @@ bool GodObject::slides_between(Friction& friction) {
   const Vec3 lag = goal_ - proxy_;
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
     if (tracer_.is_cut_short()) return false;
-    if (!may_gain_by(step) || !falls_to_none(step, all_touched)) return false;
+    if (!may_gain_by(friction, step) || !falls_to_none(step, all_touched)) return false;
     if (follows(step, along, friction)) return true;
     const Vec3 shortened = projection_.displacement_m;  // the step, shortened by friction
-    if (may_gain_by(shortened) && is_stopped_by_rounding(shortened)) rounding_decides_ = true;
+    if (may_gain_by(friction, shortened) && is_stopped_by_rounding(shortened)) {
+      rounding_decides_ = true;
+    }
     return false;
   };
   for (std::size_t i = 0; i < touched.size(); ++i) {
     const std::optional<Vec3> n = in_motion_plane(touched[i].normal);
     if (!n) continue;
     const FaceContact alone[] = {touched[i]};
-    if (leads_on(lag - lag.dot(*n) * *n, alone)) return true;
+    if (leads_on(friction.within(lag, *n), alone)) return true;
     if (touched[i].feature == TriangleFeature::kEdge && !motion_plane_normal_) {
       const Vec3 edge = tracer_.edge_direction(touched[i]);
-      if (leads_on(lag.dot(edge) * edge, alone)) return true;
+      if (leads_on(friction.along(lag, edge), alone)) return true;
     }
     for (std::size_t j = 0; j < i && !motion_plane_normal_; ++j) {
       const FaceContact pair[] = {touched[i], touched[j]};
       const Vec3 line = crossing_line(*n, touched[j].normal);
-      if (leads_on(lag.dot(line) * line, pair)) return true;
+      if (leads_on(friction.along(lag, line), pair)) return true;
     }
   }
   return false;
@@ -275,10 +333,10 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
   for (FaceContact& wall : std::span(walls).first(count)) wall.clearance_m = scale().stop_m;
   Vec3 blocked = Vec3::Zero();
   for (int bend = 0; bend < kMostBends; ++bend) {
-    hold_by_most_violated(std::span(walls).first(count));
+    hold_by_most_violated(friction, std::span(walls).first(count));
     const Vec3 free = projection_.displacement_m;
     if (bend > 0 && goes_between(blocked, free, friction)) return true;
-    if (!may_gain_by(free)) return false;
+    if (!may_gain_by(friction, free)) return false;
     std::optional<TraceHit> hit;
     if (goes_straight(free, friction, &hit)) return true;
     if (!hit) return false;
@@ -311,8 +369,8 @@ bool GodObject::goes_along_lines(Friction& friction) {
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const Vec3 line = crossing_line(normals[i], normals[j]);
-      const Vec3 step = lag.dot(line) * line;
-      if (!may_gain_by(step) || !falls_to_none(step, around_->all_touched())) continue;
+      const Vec3 step = friction.along(lag, line);
+      if (!may_gain_by(friction, step) || !falls_to_none(step, around_->all_touched())) continue;
       around_->lines[line_count] = {step, step.norm(), line_count};
       ++line_count;
     }
@@ -344,8 +402,8 @@ template <typename Friction>
 bool GodObject::goes_between(Vec3 blocked, Vec3 free, Friction& friction) {
   for (int i = 0; i < kMostDirectionHalvings; ++i) {
     const Vec3 direction = (blocked + free).normalized();
-    const Vec3 middle = direction.dot(goal_ - proxy_) * direction;
-    if (!may_gain_by(middle)) {
+    const Vec3 middle = friction.along(goal_ - proxy_, direction);
+    if (!may_gain_by(friction, middle)) {
       free = middle;
     } else if (goes_straight(middle, friction)) {
       return true;
@@ -365,7 +423,7 @@ bool GodObject::goes_straight(const Vec3& step, Friction& friction,
   const Vec3 target = within_bounds(proxy_ + step);
   const auto hit = tracer_.trace(proxy_, target);
   if (obstacle) *obstacle = hit;
-  if (hit && !may_gain_by(hit->fraction.value() * (target - proxy_))) return false;
+  if (hit && !may_gain_by(friction, hit->fraction.value() * (target - proxy_))) return false;
   return tries(friction, [&] { stop_at_first_hit(target); });
 }
 
@@ -426,7 +484,7 @@ bool GodObject::tries(Friction& friction, Step step) {
   const std::size_t corners = path_.size();
   const Friction friction_before = friction;
   step();
-  if (is_gain(before, proxy_)) {
+  if (is_gain(friction, before, proxy_)) {
     if constexpr (Friction::kHolds) friction.end_step(true);
     return true;
   }

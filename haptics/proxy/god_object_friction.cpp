@@ -20,7 +20,7 @@ namespace {
 constexpr double kConeRoundoff = 128 * std::numeric_limits<double>::epsilon();
 
 // The friction policy of GodObject::move_with_friction(): the state of friction in one tick.
-struct CoulombFriction {
+struct CoulombFriction : EuclideanNorm {
   static constexpr bool kHolds = true;
 
   const FrictionSource* source;
@@ -139,7 +139,7 @@ ProxyState GodObject::move_with_friction(const Vec3& goal,
   if (!is_source || !is_goal(goal, motion_plane_normal)) return refused();
   const double coordinates_m = world_->size_m() + settings_.radius_m + proxy_.lpNorm<1>() +
                                goal.lpNorm<1>() + source.coordinates_m;
-  CoulombFriction friction{&source, coordinates_m, slides_};
+  CoulombFriction friction{{}, &source, coordinates_m, slides_};
   const ProxyState state = move(goal, motion_plane_normal, friction);
   last_holds_ = state.is_held ? friction.holds_by : std::array<bool, 3>{};
   slides_ = state.in_contact && friction.slides_on();

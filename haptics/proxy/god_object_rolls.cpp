@@ -52,7 +52,7 @@ std::size_t tangents_round(const FaceContact& from, const FaceContact& to, doubl
 // too small: if the goal is on the feature, all positions round it are equally near.
 bool GodObject::roll_to_answer() {
   if (projection_.active_count != 1) return false;
-  if (goal_waits_ && !may_gain_by(projection_.displacement_m)) return false;
+  if (goal_waits_ && !may_gain_by(NoFriction{}, projection_.displacement_m)) return false;
   const FaceContact now = contacts_[projection_.active[0]];
   if (now.feature == TriangleFeature::kFace) return false;
   FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);

@@ -14,8 +14,20 @@
 
 namespace palpate {
 
+// The part of a policy that states the norm of distances to the goal: the Euclidean one.
+struct EuclideanNorm {
+  static double length(const Vec3& v) { return v.norm(); }
+  static PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target) {
+    return project_onto_planes(planes, target);
+  }
+  // The point nearest to v on the line through 0 in a unit direction, and on the plane through 0
+  // with a unit normal.
+  static Vec3 along(const Vec3& v, const Vec3& line) { return v.dot(line) * line; }
+  static Vec3 within(const Vec3& v, const Vec3& normal) { return v - v.dot(normal) * normal; }
+};
+
 // The friction policy of GodObject::move_to(): no face has friction.
-struct NoFriction {
+struct NoFriction : EuclideanNorm {
   static constexpr bool kHolds = false;
   static bool holds() { return false; }
   static bool may_hold_at(const FaceContact&, const Vec3&) { return false; }
@@ -61,6 +73,12 @@ constexpr double kLessAfterFailure = 1.0 / 64;
 
 // Largest increase of the distance to the goal on a sphere's path, relative to the radius.
 constexpr double kDetourPerRadius = 0.008;
+
+// Whether `to` is nearer to the goal than `from` by more than little_m().
+template <typename Friction>
+bool GodObject::is_gain(const Friction& friction, const Vec3& from, const Vec3& to) const {
+  return friction.length(from - goal_) - friction.length(to - goal_) > little_m();
+}
 
 // Sets the largest distance to the goal that is allowed on a sphere's path from its present
 // position.
@@ -168,7 +186,7 @@ template <typename Friction>
   const Vec3 target = step_target_;
   stop_at_first_hit(target);
   if (tracer_.is_cut_short()) return;
-  if ((proxy_ - goal_).norm() > (before.proxy - goal_).norm()) return_to(before);
+  if (friction.length(proxy_ - goal_) > friction.length(before.proxy - goal_)) return_to(before);
   [[maybe_unused]] const bool moved = proxy_ != before.proxy;
   if constexpr (Friction::kHolds) {
     friction.begin_step();
@@ -182,7 +200,7 @@ template <typename Friction>
 template <typename Friction>
 [[gnu::cold]] void GodObject::find_holding_planes(Friction& friction) {
   if (projection_.active_count > 0) return;
-  projection_ = project_onto_planes(planes(), goal_ - proxy_);
+  projection_ = friction.project(planes(), goal_ - proxy_);
   if (!projection_.solved) projection_ = {};
   if constexpr (Friction::kHolds) {
     hold_by(friction);
@@ -193,7 +211,7 @@ template <typename Friction>
 template <typename Friction>
 GodObject::Progress GodObject::take_step(Friction& friction) {
   if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
-  projection_ = project_onto_planes(planes(), goal_ - proxy_);
+  projection_ = friction.project(planes(), goal_ - proxy_);
   if (!projection_.solved) return Progress::kStuck;
   const bool is_sphere = tracer_.radius_m() > 0.0;
   bool flies = false;
@@ -217,7 +235,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   // A slow proxy may also rest after a small step, but only if it touches the planes: farther away,
   // it could miss an edge directly in front of it.
   const bool may_rest = is_slow_ && planes_are_current_ && !is_free;
-  if (may_rest && is_little(step) && touches_planes()) return Progress::kHeld;
+  if (may_rest && is_little(friction, step) && touches_planes()) return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !bounds_.contains(target);
   if (leaves) target = leave_bounds(target);

@@ -21,6 +21,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/index/simd.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "models/paper_objects.h"
@@ -48,6 +49,23 @@ constexpr Golden kGolden[] = {
 
 void PrintTo(const Golden& golden, std::ostream* out) {
   *out << golden.object;
+}
+
+// Of the strategies that are more than force and A4, on the star, in each SIMD width.
+struct GoldenOfStrategy {
+  const char* strategy;
+  std::uint64_t hash;
+};
+
+constexpr GoldenOfStrategy kGoldenOfStrategies[] = {
+    {"a4-anticipate", 0xf66b534df44dd604},
+    {"anisotropic:0.25", 0xf8f7710f66feee3b},
+    {"anisotropic:4", 0x1b4bccfcdde03f67},
+    {"cd", 0xf3e5ff273f3e4989},
+};
+
+void PrintTo(const GoldenOfStrategy& golden, std::ostream* out) {
+  *out << golden.strategy;
 }
 
 constexpr double kDt_s = 1e-3;
@@ -121,7 +139,7 @@ ScenePose start_pose() {
 }
 
 // A device with two sensors and one motor, as in the paper.
-Outcome render(const PaperObject& object, bool a4) {
+Outcome render(const PaperObject& object, const Strategy& strategy) {
   const double top_m = kPaperObjectHeight_m / 2;
   const Result<TriangleMesh> mesh = prism(object.contour_m, -top_m, top_m);
   if (!mesh) {
@@ -131,7 +149,7 @@ Outcome render(const PaperObject& object, bool a4) {
   const OwnedWorld world(Soup{mesh->positions_m, mesh->triangles});
   HapticSettings settings;
   settings.coupling.damping_Ns_per_m = 2.0;
-  settings.a4.enabled = a4;
+  set_strategy(strategy, settings);
   settings.initial_pose = start_pose();
   HapticLoop loop(world.world(), *ActuationModel::from_counts(2, 1), settings);
   Outcome outcome;
@@ -170,8 +188,8 @@ TEST_P(GoldenTrajectory, ReproducesThePinnedBits) {
   const Golden& golden = GetParam();
   const std::vector<PaperObject> objects = paper_objects();
   const PaperObject& object = object_called(objects, golden.object);
-  const Outcome without = render(object, false);
-  const Outcome with = render(object, true);
+  const Outcome without = render(object, {StrategyKind::kMask});
+  const Outcome with = render(object, {StrategyKind::kA4});
   EXPECT_GT(without.ticks_in_contact, kTicks / 4);
   EXPECT_GT(with.ticks_in_contact, kTicks / 4);
   EXPECT_EQ(without.ticks_turning, 0);
@@ -184,6 +202,34 @@ TEST_P(GoldenTrajectory, ReproducesThePinnedBits) {
                                                        << row;
   EXPECT_EQ(hex(with.hash), hex(golden.with_a4)) << "if the output is meant to change:\n" << row;
 }
+
+class GoldenStrategy : public testing::TestWithParam<GoldenOfStrategy> {};
+
+TEST_P(GoldenStrategy, ReproducesThePinnedBits) {
+  const std::vector<PaperObject> objects = paper_objects();
+  const Strategy strategy = *parse_strategy(GetParam().strategy);
+  for (const SimdLevel level : {SimdLevel::kBaseline, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
+    const SimdLevel widest = widest_simd_level();
+    limit_simd_level(level);
+    const Outcome outcome = render(object_called(objects, "star"), strategy);
+    limit_simd_level(widest);
+    EXPECT_GT(outcome.ticks_in_contact, kTicks / 8);
+    const std::string row =
+        std::string("    {\"") + GetParam().strategy + "\", " + hex(outcome.hash) + "},\n";
+    if (std::getenv("PALPATE_PRINT_GOLDEN")) std::fputs(row.c_str(), stdout);
+    EXPECT_EQ(hex(outcome.hash), hex(GetParam().hash)) << "if the output is meant to change:\n"
+                                                       << row;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Star, GoldenStrategy, testing::ValuesIn(kGoldenOfStrategies),
+                         [](const auto& golden) {
+                           std::string name = golden.param.strategy;
+                           std::replace_if(
+                               name.begin(), name.end(),
+                               [](char c) { return c == '-' || c == ':' || c == '.'; }, '_');
+                           return name;
+                         });
 
 TEST(GoldenTrajectories, CoverThePapersObjects) {
   EXPECT_EQ(std::size(kGolden), paper_objects().size());

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iterator>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -220,6 +221,7 @@ const std::vector<OptionHelp> kSharedOptions{{"--sensors", "2 or 3"},
                                              {"--a4-step", "exact"},
                                              {"--json", "JSON"},
                                              {"--a4", "on,off"},
+                                             {"--strategy", "a4-anticipate"},
                                              {"--material", "NAME.key=value"},
                                              {"--pose", "NAME@SECONDS"},
                                              {"--effect-times", "share"}};
@@ -305,6 +307,17 @@ TEST_F(CommandLine, RefusesUnknownArguments) {
   expect_refused(replay({"--virtual"}), {"--virtual"});
   expect_refused(replay({"--force", "all"}), {"--force", "all"});
   expect_refused(replay({"--a4", "compare"}), {"--a4"});
+  expect_refused(replay({"--strategy", "best"}), {"--strategy: is \"best\"; expected one of none"});
+  expect_refused(replay({"--strategy", "anisotropic:0"}), {"--strategy", "from 0.0625 to 16"});
+  for (const char* option : {"--a4", "--force"}) {
+    const std::string value = std::string(option) == "--a4" ? "on" : "full";
+    expect_refused(replay({"--strategy", "a4", option, value}),
+                   {"--strategy: is given beside " + std::string(option)});
+    expect_refused({"run", kStar, "--strategy", "a4", option, value},
+                   {"--strategy: is given beside " + std::string(option)});
+  }
+  expect_refused(replay({"--strategy", "anisotropic:4", "--radius", "0.001"}),
+                 {"--strategy: is anisotropic:4, which is for a point"});
   expect_refused(replay({"--table1", "x"}), {"--table1"});
   expect_refused({"run", kStar, "--a4", "perhaps"},
                  {"--a4: is \"perhaps\"; expected one of on,off,compare"});
@@ -1340,6 +1353,46 @@ TEST_F(CommandLine, CommandsTheChosenForce) {
     EXPECT_EQ(none[n][18], full[n][18]) << "alpha, whatever the force";
   }
   EXPECT_GT(with_sideways_force, 20);
+}
+
+// The strategies that force and A4 describe give the traces of these options to the byte.
+TEST_F(CommandLine, GivesTheSameTraceByTheNameOfAStrategy) {
+  write_path();
+  const auto trace = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"--sensors", "2", "--actuators", "1"});
+    options.insert(options.end(), {"--out", folder.path("trace.csv")});
+    expect_done(replay(options));
+    return content_of(folder.path("trace.csv"));
+  };
+  const std::vector<std::vector<std::string>> options = {{"none", "--force", "none"},
+                                                         {"mask", "--force", "actuated"},
+                                                         {"full", "--force", "full"},
+                                                         {"a4", "--a4", "on"}};
+  std::set<std::string> traces;
+  for (const auto& o : options) {
+    const std::string named = trace({"--strategy", o[0]});
+    EXPECT_EQ(without_times(named), without_times(trace({o[1], o[2]}))) << o[0];
+    traces.insert(without_times(named));
+  }
+  for (const char* name : {"a4-anticipate", "anisotropic:4", "cd"}) {
+    traces.insert(without_times(trace({"--strategy", name})));
+  }
+  EXPECT_EQ(traces.size(), 7u);
+}
+
+// A strategy makes one run: in simulated time, the trace is that of the options it stands for.
+TEST_F(CommandLine, MakesOneRunOfAStrategy) {
+  const auto trace = [&](const std::vector<std::string>& options, const char* file) {
+    std::vector<std::string> run{"run", kStar, "--virtual", "--seconds", "2", "--out", "runs"};
+    run.insert(run.end(), options.begin(), options.end());
+    expect_run(run);
+    return without_times(content_of(folder.path(std::string("runs/") + file)));
+  };
+  EXPECT_EQ(trace({"--strategy", "full"}, "trace-off.csv"),
+            trace({"--force", "full", "--a4", "off"}, "trace-off.csv"));
+  EXPECT_EQ(trace({"--strategy", "a4"}, "trace-on.csv"), trace({"--a4", "on"}, "trace-on.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("runs/trace-off.csv")));
+  EXPECT_NE(trace({"--strategy", "cd"}, "trace-off.csv"), "");
 }
 
 TEST_F(CommandLine, PlacesTheSceneInTheDeviceFrame) {

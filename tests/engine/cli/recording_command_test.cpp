@@ -285,6 +285,44 @@ TEST(RecordingCommand, OnlyTheLogOfTheFileItselfIsUsed) {
   EXPECT_EQ(run_program(folder, {"replay", "a.palpate"}).exit_code, 0);
 }
 
+// A recording holds its strategy: it replays to the bit, and answers what other strategies give.
+TEST(RecordingCommand, ARunWithAStrategyReplaysToTheBit) {
+  for (const std::string strategy : {"full", "a4", "a4-anticipate", "anisotropic:0.25", "cd"}) {
+    const TemporaryFolder folder;
+    record(folder, {"run", kRecordedStar, "--virtual", "--seconds", "5", "--strategy", strategy,
+                    "--record", "a.palpate"});
+    const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
+    EXPECT_EQ(replayed.exit_code, 0) << strategy << replayed.out << replayed.err;
+    const Outcome same =
+        run_program(folder, {"replay", "a.palpate", "--strategy", strategy, "--json"});
+    ASSERT_EQ(same.exit_code, 0) << same.err;
+    auto json = nlohmann::json::parse(same.out);
+    EXPECT_EQ(json["open_loop"], true);
+    EXPECT_EQ(json["recorded"]["port_work_J"], json["what_if"]["port_work_J"]) << strategy;
+    const Outcome other =
+        run_program(folder, {"replay", "a.palpate", "--strategy", "mask", "--json"});
+    ASSERT_EQ(other.exit_code, 0) << other.err;
+    json = nlohmann::json::parse(other.out);
+    EXPECT_NE(json["recorded"]["port_work_J"], json["what_if"]["port_work_J"]) << strategy;
+    expect_one_line(
+        run_program(folder, {"replay", "a.palpate", "--strategy", "mask", "--force", "none"}),
+        "--strategy: is given beside --force");
+  }
+}
+
+// A strategy of another version is refused by name.
+TEST(RecordingCommand, AnUnknownStrategyIsRefusedByName) {
+  const TemporaryFolder folder;
+  record(folder, {"run", kRecordedStar, "--virtual", "--seconds", "2", "--strategy", "cd",
+                  "--record", "a.palpate"});
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(folder.path("a.palpate").c_str(), &db), SQLITE_OK);
+  const char* update = "UPDATE meta SET value = 'springs' WHERE key = 'strategy'";
+  ASSERT_EQ(sqlite3_exec(db, update, nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(db);
+  expect_one_line(run_program(folder, {"replay", "a.palpate"}), "strategy: is \"springs\"");
+}
+
 // A disk of 200 KiB: the run ends as without recording, and says so. Needs the right to mount.
 TEST(RecordingCommand, AFullDiskEndsTheRecordingAndNotTheRun) {
   const TemporaryFolder folder;

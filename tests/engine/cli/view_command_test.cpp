@@ -33,6 +33,8 @@ TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
         {"view", kViewedStar, "--port", "65536"},
         {"view", kViewedStar, "--port", "-1"},
         {"view", kViewedStar, "--a4", "compare"},
+        {"view", kViewedStar, "--strategy", "a4", "--a4", "on"},
+        {"view", kViewedStar, "--strategy", "anisotropic:17"},
         {"view", kViewedStar, "--cpu", "0"},
         {"view", kViewedStar, "--allow-host", "desk.example:80"},
         {"view", kViewedStar, "--allow-host", "2001:db8::1"},

@@ -271,6 +271,28 @@ TEST(PageSettings, ChangeAndShowEveryValue) {
   EXPECT_TRUE(page.set("gravity", 1.0));
 }
 
+// A4 and the force belong to a strategy; everything else can be changed.
+TEST(PageSettings, OfAStrategyAreRefusedByItsName) {
+  for (const std::string strategy : {"a4-anticipate", "anisotropic:4", "cd"}) {
+    const Scene& scene = star();
+    RunSettings settings = planar_settings();
+    settings.strategy = *parse_strategy(strategy);
+    LiveSettings live(scene, made_setup(settings));
+    MaterialTuner tuner(scene);
+    PageSettings page(scene, live, tuner, true, true);
+    const auto before = page.values();
+    for (const auto& [name, error] : {std::pair("a4", page.set("a4", false)),
+                                      {"force", page.set("force", std::string("none"))}}) {
+      ASSERT_TRUE(error) << strategy << " " << name;
+      EXPECT_EQ(error->element, name);
+      EXPECT_NE(error->problem.find("belongs to the strategy " + strategy), std::string::npos);
+    }
+    EXPECT_EQ(page.values(), before);
+    EXPECT_FALSE(page.set("stiffness", 321.0));
+    EXPECT_FALSE(page.set("axes", std::vector<std::array<double, 3>>{{0, 1, 0}}));
+  }
+}
+
 TEST(PageSettings, MaterialReachesTheHapticThread) {
   const Scene scene = loaded_scene("effect_friction.glb");
   LiveSettings live(scene, made_setup(planar_settings()));

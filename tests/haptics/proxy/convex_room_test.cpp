@@ -8,11 +8,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "haptics/proxy/anisotropic_norm.h"
 #include "haptics/proxy/god_object.h"
 #include "tests/helpers/hard_scenes.h"
 #include "tests/helpers/rest_judge.h"
@@ -110,11 +112,44 @@ TEST(NearestInARoom, IsThatOfABox) {
   }
 }
 
-class Rooms : public testing::TestWithParam<test::ProxyKind> {};
+// W^(1/2) of an anisotropic norm in long double, from the norm's definition; the unit matrix
+// without a norm.
+struct Stretch {
+  using Matrix = Eigen::Matrix<Wide, 3, 3>;
+  std::optional<AnisotropicNorm> norm;
+  Matrix root = Matrix::Identity();
 
-TEST_P(Rooms, HoldTheProxyAtTheProjectionOfTheGoal) {
+  // The norm of a device with one or two motors.
+  static Stretch anisotropic(Random& random) {
+    const double anisotropy = std::pow(16.0, random.uniform(-1.0, 1.0));
+    std::vector<Vec3> axes{random.unit_vector()};
+    if (random.index(2)) axes.push_back(axes[0].unitOrthogonal());
+    Stretch stretch;
+    stretch.norm.emplace(anisotropy, axes);
+    Matrix P = Matrix::Zero();
+    for (const Vec3& axis : axes) P += axis.cast<Wide>() * axis.cast<Wide>().transpose();
+    stretch.root += (std::sqrt(Wide{anisotropy}) - 1) * (Matrix::Identity() - P);
+    return stretch;
+  }
+
+  // The point of the room nearest to the goal in the norm: in the stretched room, it is the nearest
+  // one to the stretched goal.
+  Wide3 nearest(const std::vector<Wall>& walls, const Wide3& goal) const {
+    if (!norm) return nearest_in_room(walls, goal);
+    const Matrix inverse = root.inverse();
+    std::vector<Wall> stretched;
+    for (const Wall& wall : walls) {
+      const Wide3 normal = inverse * wall.normal;
+      stretched.push_back({normal.normalized(), wall.reach_m / normal.norm()});
+    }
+    return inverse * nearest_in_room(stretched, root * goal);
+  }
+};
+
+// kind: of the proxy. with_norm: distances are those of an anisotropic norm.
+void expect_rests_at_the_projection(test::ProxyKind kind, bool with_norm) {
   constexpr int kTicksPerRoom = 100;
-  const bool is_point = GetParam() == test::ProxyKind::kPoint;
+  const bool is_point = kind == test::ProxyKind::kPoint;
   const auto ticks = static_cast<int>(
       test::from_environment("PALPATE_REST_TICKS", test::in_soak_or_else(400'000u, 4'000u)));
   int contacts = 0;
@@ -136,14 +171,16 @@ TEST_P(Rooms, HoldTheProxyAtTheProjectionOfTheGoal) {
     god_object.place(start);
     ProxyState state;
     state.proxy = start;
+    const Stretch stretch = with_norm ? Stretch::anisotropic(random) : Stretch{};
     RestHand hand(triangles, {}, radius_m, stand_off_m, 0.0, start, random);
     for (int tick = 0; tick < kTicksPerRoom; ++tick) {
       const Vec3 goal = hand.next_goal(state);
-      state = god_object.move_to(goal);
+      state = stretch.norm ? god_object.move_in_norm(goal, std::nullopt, *stretch.norm)
+                           : god_object.move_to(goal);
       contacts += state.in_contact;
       capped += state.capped;
       if (state.capped) continue;
-      const Wide3 nearest = nearest_in_room(walls, goal.cast<Wide>());
+      const Wide3 nearest = stretch.nearest(walls, goal.cast<Wide>());
       const auto off = static_cast<double>((state.proxy.cast<Wide>() - nearest).norm()) / size_m;
       worst = std::max(worst, off);
       if (off <= test::RestJudge::kGainPerSize) continue;
@@ -160,6 +197,16 @@ TEST_P(Rooms, HoldTheProxyAtTheProjectionOfTheGoal) {
   std::printf("%d contacts, %d capped, %d rooms missed, worst %.3g sizes\n", contacts, capped,
               misses, worst);
   EXPECT_LE(capped, 0.01 * contacts);
+}
+
+class Rooms : public testing::TestWithParam<test::ProxyKind> {};
+
+TEST_P(Rooms, HoldTheProxyAtTheProjectionOfTheGoal) {
+  expect_rests_at_the_projection(GetParam(), false);
+}
+
+TEST(AnisotropicRooms, HoldAPointAtTheProjectionOfTheGoalInTheirNorm) {
+  expect_rests_at_the_projection(test::ProxyKind::kPoint, true);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Rooms,

@@ -17,6 +17,7 @@
 
 #include <gtest/gtest.h>
 
+#include "haptics/proxy/anisotropic_norm.h"
 #include "haptics/proxy/god_object.h"
 #include "tests/haptics/proxy/judging_tolerances.h"
 #include "tests/helpers/exact_judge.h"
@@ -73,13 +74,15 @@ struct LeakTotals {
   std::size_t triangles = 0;
 };
 
+enum class Proxy : std::uint8_t { kFree, kUnderFriction, kInNorm };
+
 // A run of one proxy and one device in one scene.
 class HardSceneRun {
  public:
-  HardSceneRun(HardKind kind, Random& random, bool with_friction = false)
+  HardSceneRun(HardKind kind, Random& random, Proxy proxy)
       : random_(random),
         scene_(hard_scene(kind, random)),
-        radius_m_(pick_radius_m(random)),
+        radius_m_(proxy == Proxy::kInNorm ? 0.0 : pick_radius_m(random)),
         world_(scene_.soup, {}, radius_m_),
         judge_(test::solver_triangles(world_)),
         god_object_(world_.world(), {.radius_m = radius_m_}),
@@ -90,7 +93,8 @@ class HardSceneRun {
     god_object_.place(start_);
     was_inside_ = scene_.is_closed && judge_.is_inside(start_);
     state_.proxy = start_;
-    if (with_friction) cone_.emplace(pick_cone());
+    if (proxy == Proxy::kUnderFriction) cone_.emplace(pick_cone());
+    if (proxy == Proxy::kInNorm) norm_.emplace(pick_norm());
   }
 
   const ExactJudge& judge() const { return judge_; }
@@ -101,8 +105,9 @@ class HardSceneRun {
     goal_ = motion_.next_goal(state_);
     if (plane_normal_) goal_ -= plane_normal_->dot(goal_ - state_.proxy) * *plane_normal_;
     const Vec3 before = god_object_.proxy();
-    state_ = cone_ ? god_object_.move_with_friction(goal_, plane_normal_, friction())
-                   : god_object_.move_to(goal_, plane_normal_);
+    state_ = cone_   ? god_object_.move_with_friction(goal_, plane_normal_, friction())
+             : norm_ ? god_object_.move_in_norm(goal_, plane_normal_, *norm_)
+                     : god_object_.move_to(goal_, plane_normal_);
     ++tick_;
     ++totals.ticks;
     totals.held += state_.is_held;
@@ -145,6 +150,19 @@ class HardSceneRun {
 
   FrictionSource friction() { return FrictionSource{*cone_}; }
 
+  // The norm of a device with no, one or two motors. In a plane of motion, the motors are in the
+  // plane, as those of a device with two sensors.
+  AnisotropicNorm pick_norm() {
+    std::vector<Vec3> axes;
+    Vec3 axis = random_.unit_vector();
+    if (plane_normal_) axis -= axis.dot(*plane_normal_) * *plane_normal_;
+    if (random_.index(8) != 0) axes.push_back(axis.normalized());
+    if (!plane_normal_ && !axes.empty() && random_.index(2) == 0) {
+      axes.push_back(axes[0].unitOrthogonal());
+    }
+    return AnisotropicNorm(std::pow(16.0, random_.uniform(-1.0, 1.0)), axes);
+  }
+
   testing::Message where() const {
     testing::Message message;
     message << "tick " << tick_ << ", radius " << radius_m_ << " m, goal " << hex(goal_);
@@ -182,12 +200,19 @@ class HardSceneRun {
     return false;
   }
 
-  // Tests that the tick did not increase the distance to the goal. Within a tick it may increase.
+  // Tests that the tick did not increase the distance to the goal, in the norm of the proxy. Within
+  // a tick it may increase.
   bool never_goes_farther() {
     const auto path = god_object_.path();
-    const double before = (path.front() - goal_).norm();
-    const double after = (path.back() - goal_).norm();
-    const double roundoff_m = kFartherRelative * before + kFartherUlps * position_roundoff_m_;
+    const auto to_goal_m = [&](const Vec3& p) {
+      return norm_ ? norm_->length(p - goal_) : (p - goal_).norm();
+    };
+    const double before = to_goal_m(path.front());
+    const double after = to_goal_m(path.back());
+    // The norm weighs the rounding of positions by up to 4, the root of the largest anisotropy.
+    const double weight = norm_ ? 4.0 : 1.0;
+    const double roundoff_m =
+        kFartherRelative * before + weight * kFartherUlps * position_roundoff_m_;
     if (after <= before + roundoff_m) return true;
     ADD_FAILURE() << "the tick increased the distance to the goal, " << before << " m, by "
                   << after - before << " m\n"
@@ -213,6 +238,7 @@ class HardSceneRun {
   DeviceMotion motion_;
   std::optional<Vec3> plane_normal_;
   std::optional<SameCone> cone_;
+  std::optional<AnisotropicNorm> norm_;
   ProxyState state_;
   Vec3 goal_ = Vec3::Zero();
   bool was_inside_ = false;
@@ -221,7 +247,7 @@ class HardSceneRun {
 
 class HardScenes : public testing::TestWithParam<HardKind> {};
 
-void expect_no_leak(HardKind kind, bool with_friction) {
+void expect_no_leak(HardKind kind, Proxy proxy) {
   constexpr int kEnoughFailures = 5;
   LeakTotals totals;
   int failures = 0;
@@ -229,7 +255,7 @@ void expect_no_leak(HardKind kind, bool with_friction) {
   for (std::uint64_t scene = test::from_environment("PALPATE_FIRST_SCENE", kFirstScene);
        totals.ticks < ticks_per_kind(); ++scene) {
     Random random(scene);
-    HardSceneRun run(kind, random, with_friction);
+    HardSceneRun run(kind, random, proxy);
     totals.triangles += run.judge().triangles().size();
     ++totals.scenes;
     for (int tick = 0; tick < ticks; ++tick) {
@@ -247,17 +273,22 @@ void expect_no_leak(HardKind kind, bool with_friction) {
   testing::Test::RecordProperty("most_iterations", totals.most_iterations);
   std::printf("%zu scenes, %d ticks, %d in contact, %d capped, at most %d iterations",
               totals.scenes, totals.ticks, totals.contacts, totals.capped, totals.most_iterations);
-  if (with_friction) std::printf(", %d held, %d at rest", totals.held, totals.rested);
+  if (proxy == Proxy::kUnderFriction)
+    std::printf(", %d held, %d at rest", totals.held, totals.rested);
   std::printf("\n");
 }
 
 TEST_P(HardScenes, NeverLetTheProxyThrough) {
-  expect_no_leak(GetParam(), false);
+  expect_no_leak(GetParam(), Proxy::kFree);
 }
 
 // The start and the device of each scene are the same as without friction.
 TEST_P(HardScenes, NeverLetTheProxyThroughUnderFriction) {
-  expect_no_leak(GetParam(), true);
+  expect_no_leak(GetParam(), Proxy::kUnderFriction);
+}
+
+TEST_P(HardScenes, NeverLetAPointThroughInAnAnisotropicNorm) {
+  expect_no_leak(GetParam(), Proxy::kInNorm);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, HardScenes, testing::ValuesIn(test::kAllHardKinds),

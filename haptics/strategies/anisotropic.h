@@ -1,0 +1,53 @@
+#pragma once
+
+// The strategy `anisotropic:E`, after Lobo and Otaduy, IEEE Transactions on Haptics 13(4), 2020.
+//
+// Theirs is the idea: an anisotropic metric of the proxy's constrained minimisation accounts for
+// the directions that a device cannot push. Their equations were not at hand. Ours are the metric W
+// below, the force, its certificate, and the range of E.
+//
+// With W = I + (E - 1)(I - P), P the projection on the actuated span, the proxy p is the local
+// minimum of (p - x)'W(p - x) that is reached from the last p; F = K (p - x) plus the damper of all
+// strategies, and the commanded force is f = P F. E below 1 weakens what cannot be pushed; E above
+// 1 seeks the proxy along the motors. On a plane at angle a to the motors, at depth d,
+//
+//     |f| = K d cos a / (cos^2 a + sin^2 a / E).
+//
+// Each committed segment crosses no triangle and keeps the stand-off (GodObject::move_in_norm). The
+// lag in the norm of W never grows in a tick with a fixed mesh, and the certificate of passivity
+// holds for F_W = K W (p - x), E_W = K/2 (p - x)'W(p - x) and |dx| in that norm; f = P F_W. The
+// Euclidean lag may grow, and nothing is promised about it; f is a projection and has no
+// certificate, as with `mask`.
+//
+// The record's full force is (F.N)N, N the contact normal, so that the missing force means the same
+// as for other strategies; where the normals of several planes cancel, it is F.
+//
+// Scope: a point proxy, no friction, no effect beside stiffness and damping, a scene that A4 does
+// not turn. check_settings() refuses settings and worlds beyond it.
+
+#include <array>
+#include <span>
+
+#include "haptics/a4/actuation.h"
+#include "haptics/proxy/anisotropic_norm.h"
+
+namespace palpate {
+
+// The norm of W in solver axes. R_device_scene: of the scene's pose.
+inline AnisotropicNorm anisotropic_norm(double anisotropy, const ActuationModel& actuation,
+                                        const Mat3& R_device_scene) noexcept {
+  std::array<Vec3, 3> axes;
+  const auto count = static_cast<std::size_t>(actuation.actuators());
+  for (std::size_t i = 0; i < count; ++i) {
+    axes[i] = R_device_scene.transpose() * actuation.actuated_axis(static_cast<int>(i));
+  }
+  return AnisotropicNorm(anisotropy, std::span(axes).first(count));
+}
+
+// The full force of the record, device frame. normal_device: N, unit or zero.
+inline Vec3 full_force_along_normal(const Vec3& force_device_N, const Vec3& normal_device) {
+  if (normal_device.isZero(0.0)) return force_device_N;
+  return force_device_N.dot(normal_device) * normal_device;
+}
+
+}  // namespace palpate
