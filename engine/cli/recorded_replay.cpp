@@ -28,7 +28,7 @@ std::optional<Error> apply_strategy(const Strategy& strategy, RecordedSession& s
   if (strategy.kind == StrategyKind::kFull && !device.moves_motors) {
     give_all_motors(device, device.sensed_axes);
   }
-  if (auto error = check_motors(strategy, device.sensed_axes, device.motor_count)) return error;
+  if (auto error = check_motors(strategy, device)) return error;
   set_strategy(strategy, session.setup.haptics);
   return std::nullopt;
 }

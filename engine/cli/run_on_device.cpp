@@ -234,14 +234,12 @@ int run_on_device(RunRequest request, const IsGiven& is_given) {
         invalid_argument("--sensors", "is " + std::to_string(request.options.settings.sensors) +
                                           "; expected 2, the number of sensors of the device"));
   }
-  const DeviceDescription& described = device.description();
-  if (const auto error = check_motors(request.options.settings.strategy, described.sensed_axes,
-                                      described.motor_count)) {
-    return refuse(*error);
-  }
-  describe_device(described, is_given, request);
+  describe_device(device.description(), is_given, request);
   const Result<PreparedRun> prepared = prepare_run(request);
   if (!prepared) return refuse(with_path(prepared.error(), request.scene.path));
+  if (const auto error = check_motors(request.options.settings.strategy, prepared->setup.device)) {
+    return refuse(*error);
+  }
   return run_prepared(request, *prepared, device, settings_of(request, *prepared, is_given));
 }
 

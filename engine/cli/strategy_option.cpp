@@ -41,13 +41,18 @@ bool has_a4(const Strategy& strategy) {
   return settings.a4.enabled;
 }
 
-std::optional<Error> check_motors(const std::optional<Strategy>& strategy, int sensors,
-                                  int motors) {
-  if (!strategy || strategy->kind != StrategyKind::kFull || motors >= sensors) return std::nullopt;
+std::optional<Error> check_motors(const std::optional<Strategy>& strategy,
+                                  const DeviceDescription& device) {
+  if (!strategy || strategy->kind != StrategyKind::kFull ||
+      device.motor_count >= device.sensed_axes) {
+    return std::nullopt;
+  }
   return invalid_argument("--strategy",
-                          "is full, but the device has " + std::to_string(sensors) +
-                              " sensors and " + std::to_string(motors) + " motors",
-                          "full is a reference for the simulated hand; use mask or a4");
+                          "is full; expected another one for a device with " +
+                              std::to_string(device.sensed_axes) + " sensors and " +
+                              std::to_string(device.motor_count) +
+                              (device.motor_count == 1 ? " motor" : " motors"),
+                          "full is a reference; mask and a4 use the motors that there are");
 }
 
 }  // namespace palpate

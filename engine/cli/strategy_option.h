@@ -10,6 +10,7 @@
 
 #include "geometry/base/result.h"
 #include "haptics/strategies/strategy.h"
+#include "palpate/device.h"
 
 namespace palpate {
 
@@ -23,8 +24,10 @@ std::optional<Error> check_strategy_options(
 // Whether a strategy turns the scene as A4 does.
 bool has_a4(const Strategy& strategy);
 
-// An Error if the strategy is `full` and a device has fewer motors than sensors: the device would
-// mask the force in silence.
-std::optional<Error> check_motors(const std::optional<Strategy>& strategy, int sensors, int motors);
+// An Error if the strategy is `full` and a device has fewer motors than sensors: the governor would
+// mask the force in silence. device: with the motors that a run uses. Not for the simulated hand,
+// which gets all motors.
+std::optional<Error> check_motors(const std::optional<Strategy>& strategy,
+                                  const DeviceDescription& device);
 
 }  // namespace palpate

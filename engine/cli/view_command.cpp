@@ -123,6 +123,10 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
   auto prepared = prepare_run(request.run);
   if (!prepared) return refuse(with_path(prepared.error(), request.run.scene.path));
   prepared->setup.haptics.a4.enabled = request.run.a4 == A4Runs::kOn;
+  if (device != nullptr) {
+    const auto error = check_motors(request.run.options.settings.strategy, prepared->setup.device);
+    if (error) return refuse(*error);
+  }
   if (const auto error = check_setup(prepared->scene, prepared->setup)) return refuse(*error);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   auto recorder =
@@ -151,11 +155,6 @@ int view_with_device(const ViewRequest& request, const IsGiven& is_given) {
   if (is_given("--sensors") && sensors != device.description().sensed_axes) {
     return refuse(invalid_argument(
         "--sensors", "is " + std::to_string(sensors) + "; expected 2, the sensors of the device"));
-  }
-  const DeviceDescription& described = device.description();
-  if (const auto error = check_motors(request.run.options.settings.strategy, described.sensed_axes,
-                                      described.motor_count)) {
-    return refuse(*error);
   }
   return view(request, &device, is_given);
 }

@@ -359,6 +359,8 @@ TEST_F(DeviceRunProgram, RefusesBadOptionsInOneLine) {
            {{"--device", port, "--sensors", "3"}, "--sensors: is 3; expected 2"},
            {{"--device", port, "--strategy", "full", "--a4", "off"},
             "--strategy: is given beside --a4"},
+           {{"--device", port, "--strategy", "full", "--actuators", "1"},
+            "--strategy: is full; expected another one for a device with 2 sensors and 1 motor"},
            {{"--device", port + ",torque-per-Nm=1,peak-torque=0.1", "--max-force", "100"},
             "--max-force: is 100 N; expected at most"},
            {{"--device", port, "--seconds", "1"}, "--seconds: "},
