@@ -3,6 +3,7 @@
 // The measures by which strategies are compared.
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>

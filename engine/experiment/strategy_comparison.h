@@ -2,9 +2,12 @@
 
 // Compares strategies on the same hands and scenes: means, paired differences, and which is best.
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/experiment/compared_measures.h"

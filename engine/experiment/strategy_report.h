@@ -2,6 +2,7 @@
 
 // The report of a comparison of strategies: one page for readers, and tables for programs.
 
+#include <optional>
 #include <string>
 #include <vector>
 
