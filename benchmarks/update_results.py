@@ -18,6 +18,7 @@ import sys
 sys.dont_write_bytecode = True  # no folder beside the sources
 import a4_figure  # noqa: E402
 import accuracy_results  # noqa: E402
+import compare_results  # noqa: E402
 import experiment_results  # noqa: E402
 import groove_figure  # noqa: E402
 import result_tables as tables  # noqa: E402
@@ -146,10 +147,12 @@ def blocks_of(root, machines):
     """{document: {block: text}}."""
     objects = tables.read_objects(root / "benchmarks/results/paper_objects/objects.json")
     experiment = experiment_results.read(root / "benchmarks/results/experiment")
+    comparison = compare_results.read(root / "benchmarks/results/compare")
     soaks = soak_results.read(root / "benchmarks/results/soak")
     newest = max(machines, key=lambda machine: machine.context["date"])
     return {
         README: {"a4": a4_block(objects), "headline": headline_block(newest),
+                 "compare": compare_results.block(comparison),
                  "experiment": experiment_results.block(experiment)},
         RESULTS: {"objects": tables.objects_table(objects), "soaks": soak_results.block(soaks),
                   **machine_blocks(machines, root)},

@@ -15,6 +15,7 @@ std::unique_ptr<Command> make_replay_command();
 std::unique_ptr<Command> make_recording_command();
 std::unique_ptr<Command> make_accuracy_command();
 std::unique_ptr<Command> make_experiment_command();
+std::unique_ptr<Command> make_compare_command();
 std::unique_ptr<Command> make_soak_command();
 std::unique_ptr<Command> make_info_command();
 std::unique_ptr<Command> make_devices_command();
@@ -28,6 +29,7 @@ inline std::vector<std::unique_ptr<Command>> all_commands() {
   commands.push_back(make_recording_command());
   commands.push_back(make_accuracy_command());
   commands.push_back(make_experiment_command());
+  commands.push_back(make_compare_command());
   commands.push_back(make_soak_command());
   commands.push_back(make_info_command());
   commands.push_back(make_devices_command());

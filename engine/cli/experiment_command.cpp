@@ -17,6 +17,7 @@
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/cli/shard_option.h"
 #include "engine/experiment/experiment_merge.h"
 #include "engine/experiment/experiment_report.h"
 #include "engine/experiment/experiment_run.h"
@@ -75,18 +76,6 @@ struct ExperimentRunRequest {
   std::optional<int> jobs;
   bool traces = false;
 };
-
-Result<Shard> parse_shard(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  const auto count = parse_integer(
-      "--shard", slash == std::string::npos ? "" : text.substr(slash + 1), {1, kMostShards});
-  const auto number = parse_integer("--shard", text.substr(0, slash), {1, count ? *count : 1});
-  if (count && number) return Shard{static_cast<int>(*number), static_cast<int>(*count)};
-  return invalid_argument(
-      "--shard",
-      "is \"" + text + "\"; expected i/n with 1 <= i <= n <= " + std::to_string(kMostShards),
-      "write for example --shard 1/4");
-}
 
 // What the run did, for the user.
 std::string outcome_text(const ExperimentRunOutcome& outcome, const ExperimentRunRequest& request) {

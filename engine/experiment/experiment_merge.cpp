@@ -79,13 +79,13 @@ Result<RunIdentity> common_identity(const std::vector<std::string>& folders) {
   return first;
 }
 
-// The first line and column at which two parts differ. Both have rows of trials_columns().
-Error difference_of(const FoundPart& part, const FoundPart& other) {
+// The first line and column at which two parts differ. Both have rows of these columns.
+Error difference_of(const FoundPart& part, const FoundPart& other, TrialColumns columns) {
   constexpr std::size_t kLinesBefore = 2;  // of the part: its hash and the names of the columns
   std::vector<std::string> names;
   std::vector<std::string> fields;
   std::vector<std::string> expected;
-  [[maybe_unused]] const auto is_read = CsvReader(trials_columns()).next(names);
+  [[maybe_unused]] const auto is_read = CsvReader(trials_columns(columns)).next(names);
   CsvReader mine(part.rows);
   CsvReader theirs(other.rows);
   std::string element = "line " + std::to_string(kLinesBefore);
@@ -120,11 +120,13 @@ std::optional<Error> add_parts(const std::string& folder, const RunIdentity& ide
                              std::to_string(identity.participants),
                          "remove the file");
     }
-    auto rows = read_part(part.path, identity.hash(), participant);
+    auto rows = read_part(part.path, identity.hash(), participant, identity.columns());
     if (!rows) return rows.error();
     part.rows = std::move(*rows);
     const auto [known, is_new] = parts.try_emplace(participant, part);
-    if (!is_new && known->second.rows != part.rows) return difference_of(part, known->second);
+    if (!is_new && known->second.rows != part.rows) {
+      return difference_of(part, known->second, identity.columns());
+    }
   }
   return std::nullopt;
 }
@@ -178,11 +180,11 @@ std::string run_json(const RunIdentity& identity, const std::vector<TrialRow>& r
 }
 
 std::optional<Error> write_results(const std::string& out_folder, const std::string& trials,
-                                   const std::string& run) {
+                                   TrialColumns columns, const std::string& run) {
   auto files = OutputFiles::create(out_folder, {kTrialsFile, kColumnsFile, kRunFile});
   if (!files) return files.error();
   const std::array<std::pair<const char*, std::string>, 3> texts = {
-      {{kTrialsFile, trials}, {kColumnsFile, columns_csv()}, {kRunFile, run}}};
+      {{kTrialsFile, trials}, {kColumnsFile, columns_csv(columns)}, {kRunFile, run}}};
   for (const auto& [name, text] : texts) {
     const auto written = write_text_file(files->path(name), text);
     if (!written) return files->in_place(written.error());
@@ -202,12 +204,15 @@ Result<MergedExperiment> merge_experiment(const std::vector<std::string>& folder
     if (auto error = add_parts(folder, *identity, parts)) return *error;
   }
   if (auto error = check_complete(folders, *identity, parts)) return *error;
-  std::string trials = trials_columns() + "\n";
+  std::string trials = trials_columns(identity->columns()) + "\n";
   for (const auto& [participant, part] : parts) trials += part.rows;
   const auto rows =
       parse_trials(trials, (std::filesystem::path(out_folder) / kTrialsFile).string());
   if (!rows) return rows.error();
-  if (auto error = write_results(out_folder, trials, run_json(*identity, *rows))) return *error;
+  if (auto error =
+          write_results(out_folder, trials, identity->columns(), run_json(*identity, *rows))) {
+    return *error;
+  }
   MergedExperiment merged{identity->participants, rows->size(), {}};
   for (const TrialRow& row : *rows) ++merged.by_status[static_cast<std::size_t>(row.status)];
   return merged;

@@ -138,6 +138,18 @@ std::optional<Error> check_limit(const std::vector<TrialRow>& rows, double limit
   return std::nullopt;
 }
 
+// The analysis is of Haptic and Rotation.
+std::optional<Error> check_factors(const std::vector<TrialRow>& rows) {
+  for (const TrialRow& row : rows) {
+    if (row.strategy.empty()) continue;
+    return Error{ErrorCode::kInvalidContent, "", "column strategy",
+                 "is " + row.strategy + " in a trial of participant " + printable(row.participant) +
+                     "; expected trials with haptic and rotation",
+                 "`palpate compare` compares strategies"};
+  }
+  return std::nullopt;
+}
+
 Error of_file(Error error, const std::string& file) {
   if (error.path.empty()) error.path = file;
   return error;
@@ -207,6 +219,7 @@ Result<std::vector<std::string>> write_experiment_report(const ExperimentAnalysi
 
 Result<AnalysedTrials> report_trials(std::vector<TrialRow> rows, const TrialSource& source,
                                      const std::string& folder) {
+  if (const auto error = check_factors(rows)) return of_file(*error, source.file);
   if (const auto error = check_limit(rows, source.limit_s)) return of_file(*error, source.file);
   auto analysis = analyse_trials(std::move(rows), source.limit_s);
   if (!analysis) return of_file(analysis.error(), source.file);

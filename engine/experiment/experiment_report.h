@@ -43,8 +43,8 @@ struct AnalysedTrials {
 // Analyses the rows of a file and writes the report for a folder. If it returns an error, no file
 // is changed.
 //
-// Errors: those of analyse_trials() and of writing; and a completed trial that is longer than the
-// time limit, if the file has timeouts.
+// Errors: those of analyse_trials() and of writing; rows with a strategy; and a completed trial
+// that is longer than the time limit, if the file has timeouts.
 Result<AnalysedTrials> report_trials(std::vector<TrialRow> rows, const TrialSource& source,
                                      const std::string& folder);
 

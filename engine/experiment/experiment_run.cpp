@@ -102,7 +102,9 @@ std::optional<Error> prepare_folder(const std::string& folder, const RunIdentity
     remove_traces(folder);
     for (const int participant : participants_with_parts(folder)) {
       const std::string part = part_path(folder, participant);
-      if (!read_part(part, identity.hash(), participant)) fs::remove(part, failed);
+      if (!read_part(part, identity.hash(), participant, identity.columns())) {
+        fs::remove(part, failed);
+      }
     }
   }
   auto file = WholeFile::create(path);
@@ -181,7 +183,10 @@ void ExperimentJobs::run_one(int participant) {
   if (!run) return fail(run.error());
   if (!*run) return;
   const ParticipantRun& done = **run;
-  if (auto error = write_part(part_path(folder_, participant), run_, participant, done.rows)) {
+  const TrialColumns columns =
+      plan_.strategies.empty() ? TrialColumns::kFactors : TrialColumns::kStrategies;
+  if (auto error =
+          write_part(part_path(folder_, participant), run_, participant, done.rows, columns)) {
     return fail(*error);
   }
   log_.add("participant " + std::to_string(participant) + ": " +
@@ -263,7 +268,8 @@ Result<ExperimentRunOutcome> run_experiment(
   std::vector<int> to_compute;
   for (const int participant : participants) {
     const bool is_there =
-        read_part(part_path(folder, participant), identity.hash(), participant).ok() &&
+        read_part(part_path(folder, participant), identity.hash(), participant, identity.columns())
+            .ok() &&
         (traces.empty() || has_traces(plan, traces, participant));
     (is_there ? outcome.kept : to_compute).push_back(participant);
   }

@@ -95,6 +95,23 @@ Error way_error(const Error& error, const ExperimentPlan& plan, const PlanObject
           text.str(), "choose another height, or leave it out: each object then has its own"};
 }
 
+// The error of the first strategy that the scene or the device does not accept.
+std::optional<Error> check_strategies(const ExperimentPlan& plan, const PlanObject& object,
+                                      const Scene& scene, const RunSetup& setup) {
+  for (std::size_t i = 0; i < plan.strategies.size(); ++i) {
+    RunSetup with_strategy = setup;
+    set_strategy(plan.strategies[i], with_strategy.haptics);
+    const auto refused = check_setup(scene, with_strategy);
+    if (!refused) continue;
+    Error error = device_error(*refused, plan);
+    error.element = "/strategies/" + std::to_string(i);
+    error.problem = name_of(plan.strategies[i]) + " is refused for object " + object.name + ": " +
+                    error.problem;
+    return error;
+  }
+  return std::nullopt;
+}
+
 Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const PlanObject& object,
                                               const TrialFunctions& functions) {
   auto setup = make_setup(plan.device);
@@ -115,6 +132,7 @@ Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const 
   if (auto error = check_size(plan, object, *scene, *setup)) return *error;
   if (auto error = choose_plane(plan, object, *scene, *setup)) return *error;
   if (auto error = check_setup(*scene, *setup)) return device_error(*error, plan);
+  if (auto error = check_strategies(plan, object, *scene, *setup)) return *error;
   auto way = functions.find_way(*scene, *setup, plan.trial);
   if (!way) return way_error(way.error(), plan, object, *scene, *setup);
   const std::uint64_t geometry_hash = hash_of_geometry(*scene);

@@ -36,7 +36,8 @@ struct ExperimentScene {
 
 // Loads every object of the plan. Errors, with the path of the plan or of the object's file: those
 // of Scene::load(), make_setup(), check_setup() and find_way, a scene that is larger than the
-// workspace, an effect that the rate is too low for, and a scene that no plane cuts.
+// workspace, an effect that the rate is too low for, a scene that no plane cuts, and a strategy
+// that a scene or the device does not accept.
 Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan& plan,
                                                             const TrialFunctions& functions);
 

@@ -21,6 +21,26 @@ Eigen::VectorXd cousineau_morey_half_widths(const Eigen::MatrixXd& table) {
   return t_for_coverage(kIntervalCoverage, n - 1.0) * (variance * (k / (k - 1.0) / n)).cwiseSqrt();
 }
 
+bool MeanInterval::excludes_zero() const {
+  return std::abs(mean) > half_width;
+}
+
+MeanInterval mean_interval(std::span<const double> values) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const auto n = static_cast<double>(values.size());
+  MeanInterval found{kUnknown, kUnknown, static_cast<int>(values.size())};
+  if (values.empty()) return found;
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  found.mean = sum / n;
+  if (values.size() < 2) return found;
+  double squares = 0.0;
+  for (const double value : values) squares += (value - found.mean) * (value - found.mean);
+  found.half_width =
+      t_for_coverage(kIntervalCoverage, n - 1.0) * std::sqrt(squares / (n - 1.0) / n);
+  return found;
+}
+
 Interval wilson_interval(int count, int all) {
   if (all <= 0) return {0.0, 1.0};
   const double n = all, share = count / n;

@@ -2,6 +2,8 @@
 
 // Confidence intervals of means within participants, and of shares.
 
+#include <span>
+
 #include <Eigen/Core>
 
 namespace palpate {
@@ -15,6 +17,17 @@ inline constexpr double kSignificance = 0.05;
 // participant, one column per condition. The result is NaN if there are fewer than two rows or
 // columns.
 Eigen::VectorXd cousineau_morey_half_widths(const Eigen::MatrixXd& table);
+
+// The mean of a sample of normal values and half of its 95 % interval by Student's t.
+struct MeanInterval {
+  double mean = 0.0;        // NaN if count is 0
+  double half_width = 0.0;  // NaN if count is below 2
+  int count = 0;
+
+  // Whether the interval does not hold 0; false without an interval.
+  bool excludes_zero() const;
+};
+MeanInterval mean_interval(std::span<const double> values);
 
 struct Interval {
   double low = 0.0, high = 0.0;

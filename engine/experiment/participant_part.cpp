@@ -6,7 +6,6 @@
 #include <system_error>
 
 #include "engine/experiment/key_hash.h"
-#include "engine/experiment/trials_file.h"
 #include "engine/report/whole_file.h"
 #include "io/gltf/file.h"
 
@@ -24,9 +23,10 @@ std::string line_of_run(std::uint64_t run, int participant) {
          ", rows ";
 }
 
-std::string first_lines(std::uint64_t run, int participant, std::string_view rows) {
+std::string first_lines(std::uint64_t run, int participant, std::string_view rows,
+                        TrialColumns columns) {
   return line_of_run(run, participant) + hash_text(KeyHash().add(rows).value()) + "\n" +
-         trials_columns() + "\n";
+         trials_columns(columns) + "\n";
 }
 
 Error part_error(const std::string& path, std::string element, std::string problem) {
@@ -71,15 +71,16 @@ std::vector<int> participants_with_parts(const std::string& folder) {
 }
 
 std::optional<Error> write_part(const std::string& path, std::uint64_t run, int participant,
-                                std::string_view rows) {
+                                std::string_view rows, TrialColumns columns) {
   auto file = WholeFile::create(path);
   if (!file) return file.error();
-  file->add(first_lines(run, participant, rows));
+  file->add(first_lines(run, participant, rows, columns));
   file->add(rows);
   return file->finish();
 }
 
-Result<std::string> read_part(const std::string& path, std::uint64_t run, int participant) {
+Result<std::string> read_part(const std::string& path, std::uint64_t run, int participant,
+                              TrialColumns columns) {
   const auto bytes = read_regular_file(path, kMostTrialsBytes);
   if (!bytes) return bytes.error();
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
@@ -88,9 +89,9 @@ Result<std::string> read_part(const std::string& path, std::uint64_t run, int pa
     const std::string found(text.substr(0, std::min(text.find('\n'), begin.size())));
     return part_error(path, "line 1", "begins with \"" + found + "\"; expected \"" + begin + "\"");
   }
-  const std::size_t head_bytes = first_lines(run, participant, "").size();
+  const std::size_t head_bytes = first_lines(run, participant, "", columns).size();
   const std::string_view rows = text.substr(std::min(head_bytes, text.size()));
-  if (text.substr(0, text.size() - rows.size()) != first_lines(run, participant, rows)) {
+  if (text.substr(0, text.size() - rows.size()) != first_lines(run, participant, rows, columns)) {
     return part_error(path, "line 1", "does not have the hash of the rows; the file was changed");
   }
   return std::string(rows);

@@ -16,35 +16,50 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string name_of(Following following) {
+std::string following_name(Following following) {
   return std::string(kFollowingNames[static_cast<std::size_t>(following)]);
 }
 
 TrialConditions conditions_of(const ExperimentPlan& plan, int participant,
                               const PlannedTrial& trial) {
   const PlanCondition& c = trial.condition;
+  const std::string& object = plan.objects[c.object].name;
   TrialConditions conditions;
+  conditions.following = trial.following;
+  if (c.strategy) {
+    conditions.strategy = plan.strategies[*c.strategy];
+    // All strategies meet the same noise.
+    conditions.noise_seed = noise_seed(plan.seed, participant, trial.block, "", "", object);
+    return conditions;
+  }
   conditions.force = kHapticForces[c.haptic];
   conditions.a4 = kRotationNames[c.rotation] == "R";
-  conditions.following = trial.following;
   conditions.noise_seed =
       noise_seed(plan.seed, participant, trial.block, std::string(kHapticNames[c.haptic]),
-                 std::string(kRotationNames[c.rotation]), plan.objects[c.object].name);
+                 std::string(kRotationNames[c.rotation]), object);
   return conditions;
 }
 
 TrialRow row_of(const ExperimentPlan& plan, int participant, const PlannedTrial& trial,
                 const TrialOutcome& outcome) {
-  return {.following = name_of(trial.following),
-          .participant = std::to_string(participant),
-          .block = trial.block,
-          .trial = trial.trial,
-          .haptic = std::string(kHapticNames[trial.condition.haptic]),
-          .rotation = std::string(kRotationNames[trial.condition.rotation]),
-          .object = plan.objects[trial.condition.object].name,
-          .attempt = 1,
-          .status = outcome.status,
-          .measures = outcome.measures};
+  const PlanCondition& c = trial.condition;
+  TrialRow row{.following = following_name(trial.following),
+               .participant = std::to_string(participant),
+               .block = trial.block,
+               .trial = trial.trial,
+               .haptic = "",
+               .rotation = "",
+               .object = plan.objects[c.object].name,
+               .attempt = 1,
+               .status = outcome.status,
+               .measures = outcome.measures};
+  if (c.strategy) {
+    row.strategy = name_of(plan.strategies[*c.strategy]);
+  } else {
+    row.haptic = kHapticNames[c.haptic];
+    row.rotation = kRotationNames[c.rotation];
+  }
+  return row;
 }
 
 Result<TraceWriter> create_trace(const std::string& path) {
@@ -91,11 +106,10 @@ std::string trace_name(const ExperimentPlan& plan, int participant, const Planne
   std::string place = std::to_string(trial.trial);
   place.insert(0, std::to_string(in_block).size() - place.size(), '0');
   const std::string name = "block-" + std::to_string(trial.block) + "-trial-" + place + "-" +
-                           std::string(kHapticNames[trial.condition.haptic]) + "-" +
-                           std::string(kRotationNames[trial.condition.rotation]) + "-" +
+                           plan.level_name(trial.condition) + "-" +
                            plan.objects[trial.condition.object].name + ".csv";
-  return (fs::path(name_of(trial.following)) / ("participant-" + std::to_string(participant)) /
-          name)
+  return (fs::path(following_name(trial.following)) /
+          ("participant-" + std::to_string(participant)) / name)
       .string();
 }
 

@@ -27,7 +27,8 @@ struct PlannedTrial {
 std::vector<PlannedTrial> planned_trials(const ExperimentPlan& plan, int participant);
 
 // The path of the trace of a trial below the folder of the traces:
-// "delayed/participant-3/block-1-trial-07-UaH-R-O2.csv".
+// "delayed/participant-3/block-1-trial-07-UaH-R-O2.csv", or with the name of a strategy in place of
+// "UaH-R".
 std::string trace_name(const ExperimentPlan& plan, int participant, const PlannedTrial& trial);
 
 // Whether a file of this name, without its folder, may be a trace.

@@ -161,9 +161,54 @@ void read_display(ObjectReader& reader, ExperimentPlan& plan) {
   reader.fail(plan_error(reader.element_of("display_Hz"), text.str()));
 }
 
+// True if the plan has strategies, which then are read.
+bool read_strategies(ObjectReader& reader, ExperimentPlan& plan) {
+  const Json* const found = reader.find("strategies", Key::kOptional);
+  if (!found) return false;
+  const std::string element = reader.element_of("strategies");
+  for (const char* const factor : {"haptic", "rotation"}) {
+    if (!reader.find(factor, Key::kOptional)) continue;
+    reader.fail(plan_error(element,
+                           "is used together with " + std::string(factor) +
+                               "; expected strategies, or haptic and rotation",
+                           "leave out haptic and rotation"));
+  }
+  const std::string expected = "a list of 1 to " + std::to_string(kMostPlanStrategies) +
+                               " strategies, such as [\"mask\", \"a4\"]";
+  if (!found->is_array()) {
+    reader.fail(unexpected_value(element, *found, expected));
+    return true;
+  }
+  if (found->empty() || found->size() > kMostPlanStrategies) {
+    reader.fail(plan_error(
+        element, "is a list of " + std::to_string(found->size()) + "; expected " + expected));
+  }
+  for (std::size_t i = 0; reader.ok() && i < found->size(); ++i) {
+    const std::string at = element + "/" + std::to_string(i);
+    const Json& name = (*found)[i];
+    if (!name.is_string()) {
+      reader.fail(unexpected_value(at, name, "the name of a strategy"));
+      return true;
+    }
+    const auto strategy = parse_strategy(name.get<std::string>());
+    if (!strategy) {
+      reader.fail(plan_error(at, strategy.error().problem, strategy.error().hint));
+    } else if (std::find(plan.strategies.begin(), plan.strategies.end(), *strategy) !=
+               plan.strategies.end()) {
+      reader.fail(
+          plan_error(at, "is " + name_of(*strategy) + " again; expected each strategy once"));
+    } else {
+      plan.strategies.push_back(*strategy);
+    }
+  }
+  return true;
+}
+
 void read_factors(ObjectReader& reader, ExperimentPlan& plan) {
-  reader.choices("haptic", plan.haptic, words_of(kHapticNames));
-  reader.choices("rotation", plan.rotation, words_of(kRotationNames));
+  if (!read_strategies(reader, plan)) {
+    reader.choices("haptic", plan.haptic, words_of(kHapticNames));
+    reader.choices("rotation", plan.rotation, words_of(kRotationNames));
+  }
   std::vector<std::size_t> followings;
   reader.choices("followings", followings, words_of(kFollowingNames));
   for (const std::size_t place : followings) {
@@ -198,12 +243,21 @@ std::string canonical_text(Json json, const ExperimentPlan& plan) {
 
 std::vector<PlanCondition> ExperimentPlan::conditions() const {
   std::vector<PlanCondition> all;
+  for (std::size_t s = 0; s < strategies.size(); ++s) {
+    for (std::size_t o = 0; o < objects.size(); ++o) all.push_back({0, 0, o, s});
+  }
   for (const std::size_t h : haptic) {
     for (const std::size_t r : rotation) {
       for (std::size_t o = 0; o < objects.size(); ++o) all.push_back({h, r, o});
     }
   }
   return all;
+}
+
+std::string ExperimentPlan::level_name(const PlanCondition& condition) const {
+  if (condition.strategy) return name_of(strategies[*condition.strategy]);
+  return std::string(kHapticNames[condition.haptic]) + "-" +
+         std::string(kRotationNames[condition.rotation]);
 }
 
 std::vector<int> ExperimentPlan::block_numbers() const {
@@ -213,8 +267,9 @@ std::vector<int> ExperimentPlan::block_numbers() const {
 }
 
 std::uint64_t ExperimentPlan::trials_per_participant() const {
-  return std::uint64_t{followings.size()} * block_numbers().size() * haptic.size() *
-         rotation.size() * objects.size();
+  const std::uint64_t levels =
+      strategies.empty() ? haptic.size() * rotation.size() : strategies.size();
+  return std::uint64_t{followings.size()} * block_numbers().size() * levels * objects.size();
 }
 
 Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path,

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
 #include "geometry/base/result.h"
+#include "haptics/strategies/strategy.h"
 
 namespace palpate {
 
@@ -28,6 +30,7 @@ inline constexpr std::uint64_t kMostTrials = std::uint64_t{1} << 18;
 inline constexpr int kMostParticipants = 10'000;
 inline constexpr int kMostBlocks = 100;
 inline constexpr std::size_t kMostPlanObjects = 100;
+inline constexpr std::size_t kMostPlanStrategies = 100;
 inline constexpr std::size_t kMostObjectNameBytes = 40;
 
 // An object that the hand follows.
@@ -43,6 +46,8 @@ struct PlanCondition {
   std::size_t haptic = 0;    // index into kHapticNames
   std::size_t rotation = 0;  // index into kRotationNames
   std::size_t object = 0;    // index into ExperimentPlan::objects
+  // Index into ExperimentPlan::strategies, which then stands in place of haptic and rotation.
+  std::optional<std::size_t> strategy = {};
 };
 
 // A plan. Its JSON is an object with these keys; those in brackets are optional:
@@ -52,7 +57,8 @@ struct PlanCondition {
 //   participants, blocks, practice_blocks (0 or 1)
 //   device           the settings of `run` (plan_device.h)
 //   display_Hz, sphere_radius_m, limit_s
-//   haptic, rotation lists of one or more levels
+//   haptic, rotation lists of one or more levels; or, in place of both:
+//   strategies       a list of one or more names of strategies (parse_strategy), none twice
 //   objects          {"O1": "star.glb"} or {"O1": {"file": "star.glb", ["node", "scale" or
 //                    "fit_size_m", "pose"]}}; paths are relative to the folder of the plan
 //   operator         a name of kShippedOperators, or the path of an operator file
@@ -68,6 +74,7 @@ struct ExperimentPlan {
   TrialSettings trial;
   std::vector<std::size_t> haptic;    // indices into kHapticNames
   std::vector<std::size_t> rotation;  // indices into kRotationNames
+  std::vector<Strategy> strategies;   // empty: haptic and rotation are not
   std::vector<PlanObject> objects;    // sorted by name
   OperatorFile person;
   std::vector<Following> followings;
@@ -77,8 +84,10 @@ struct ExperimentPlan {
   std::string canonical;
   std::uint64_t hash = 0;
 
-  // Haptic x rotation x object, in the order of the lists.
+  // Haptic x rotation x object, or strategy x object, in the order of the lists.
   std::vector<PlanCondition> conditions() const;
+  // The levels of a condition without its object: "UaH-R"; "a4".
+  std::string level_name(const PlanCondition& condition) const;
   // The numbers of the blocks; 0 is practice.
   std::vector<int> block_numbers() const;
   std::uint64_t trials_per_participant() const;

@@ -22,9 +22,16 @@ using Key = ObjectReader::Key;
 // Longer than any useful tick, and small enough that no sum of work overflows.
 constexpr std::uint64_t kMostPlanWork = 1'000'000'000'000;
 
+constexpr std::array<std::string_view, 3> kPlanPresets = {"fast", "balanced", "exact"};
+
 constexpr NumberRange kPlanAboveZero{0.0, std::numeric_limits<double>::infinity(), true};
 constexpr NumberRange kPlanZeroOrMore{0.0};
 constexpr NumberRange kPlanAnyNumber{};
+
+constexpr std::array<std::pair<std::string_view, VelocityMethod>, 3> kPlanEstimators = {
+    {{"difference", VelocityMethod::kDifference},
+     {"line", VelocityMethod::kLineFit},
+     {"adaptive", VelocityMethod::kAdaptive}}};
 
 Error device_error(std::string element, std::string problem, std::string hint = {},
                    ErrorCode code = ErrorCode::kInvalidContent) {
@@ -86,10 +93,9 @@ void read_place(ObjectReader& reader, RunSettings& settings) {
 }
 
 void read_proxy(ObjectReader& reader, RunSettings& settings) {
-  static const std::vector<std::string_view> presets = {"fast", "balanced", "exact"};
   std::size_t preset = 1;
-  reader.choice("accuracy", preset, presets, Key::kOptional);
-  settings.accuracy = *accuracy_preset(presets[preset]);
+  reader.choice("accuracy", preset, {kPlanPresets.begin(), kPlanPresets.end()}, Key::kOptional);
+  settings.accuracy = *accuracy_preset(kPlanPresets[preset]);
   std::uint64_t budget = 0;
   reader.whole("work_budget", budget, 1, kMostPlanWork, Key::kOptional);
   if (budget > 0) settings.work_budget = static_cast<std::int64_t>(budget);
@@ -102,14 +108,14 @@ void read_coupling(ObjectReader& reader, RunSettings& settings) {
   reader.number("stiffness_N_per_m", settings.stiffness_N_per_m, kPlanZeroOrMore);
   reader.number("damping_Ns_per_m", settings.damping_Ns_per_m, kPlanZeroOrMore);
   std::size_t estimator = 0;
-  reader.choice("velocity_estimator", estimator, {"difference", "line", "adaptive"},
-                Key::kOptional);
-  constexpr std::array kMethods = {VelocityMethod::kDifference, VelocityMethod::kLineFit,
-                                   VelocityMethod::kAdaptive};
-  settings.velocity_estimator = kMethods[estimator];
+  std::vector<std::string_view> words;
+  for (const auto& [name, method] : kPlanEstimators) words.push_back(name);
+  reader.choice("velocity_estimator", estimator, words, Key::kOptional);
+  settings.velocity_estimator = kPlanEstimators[estimator].second;
   reader.whole("velocity_window_ticks", settings.velocity_window_ticks, 1,
                VelocityEstimator::kMostTicks, Key::kOptional);
   reader.number("encoder_quantum_m", settings.encoder_quantum_m, kPlanAboveZero);
+  reader.number("max_force_N", settings.max_force_N, kPlanAboveZero);
 }
 
 void read_a4(ObjectReader& reader, RunSettings& settings) {
@@ -187,6 +193,43 @@ Result<RunSettings> read_plan_device(const nlohmann::json& device, const std::st
   const auto setup = make_setup(settings);
   if (!setup) return as_plan_error(setup.error(), element);
   return settings;
+}
+
+nlohmann::ordered_json plan_device_json(const RunSettings& settings) {
+  nlohmann::ordered_json json = {{"sensors", settings.sensors}};
+  if (!settings.actuated_axes.empty()) {
+    auto& axes = json["actuated_axes"] = nlohmann::ordered_json::array();
+    for (const Vec3& axis : settings.actuated_axes) axes.push_back({axis.x(), axis.y(), axis.z()});
+  }
+  if (settings.actuators || settings.actuated_axes.empty()) {
+    json["actuators"] = settings.actuators.value_or(settings.default_actuators);
+  }
+  json["rate_Hz"] = settings.rate_Hz;
+  json["stiffness_N_per_m"] = settings.stiffness_N_per_m;
+  json["damping_Ns_per_m"] = settings.damping_Ns_per_m;
+  for (const auto& [name, method] : kPlanEstimators) {
+    if (method == settings.velocity_estimator) json["velocity_estimator"] = name;
+  }
+  json["velocity_window_ticks"] = settings.velocity_window_ticks;
+  if (settings.encoder_quantum_m) json["encoder_quantum_m"] = *settings.encoder_quantum_m;
+  if (settings.max_force_N) json["max_force_N"] = *settings.max_force_N;
+  for (const std::string_view name : kPlanPresets) {  // the work budget tells the presets apart
+    if (accuracy_preset(name)->work_budget == settings.accuracy.work_budget)
+      json["accuracy"] = name;
+  }
+  if (settings.work_budget) json["work_budget"] = *settings.work_budget;
+  json["radius_m"] = settings.radius_m;
+  if (settings.plane_height_m) json["plane_height_m"] = *settings.plane_height_m;
+  const Vec3& p = settings.place.translation_m;
+  const Quat& q = settings.place.rotation;
+  json["place"] = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
+  json["table1"] = settings.table1 == Table1Form::kCorrected ? "corrected" : "printed";
+  json["a4_step"] = settings.a4_step == StepRule::kExact ? "exact" : "paper";
+  json["workspace_m"] = workspace_extent_m(settings.device);
+  json["device_mass_kg"] = settings.device.mass_kg;
+  json["device_damping_Ns_per_m"] = settings.device.damping_Ns_per_m;
+  json["device_friction_N"] = settings.device.coulomb_friction_N;
+  return json;
 }
 
 Error as_plan_error(Error error, const std::string& element) {

@@ -17,6 +17,10 @@ namespace palpate {
 // they are conditions of a trial. element: the JSON path of the object.
 Result<RunSettings> read_plan_device(const nlohmann::json& device, const std::string& element);
 
+// The object that read_plan_device() reads as these settings. The force mode, A4, the moves and the
+// measuring of effects are not in it. Requires two sensors.
+nlohmann::ordered_json plan_device_json(const RunSettings& settings);
+
 // The error of make_setup(), check_setup() or check_plant() as an error of the plan: its element
 // and the fields in its texts are replaced by keys of the plan. element: the JSON path of the
 // object `device`.

@@ -1,5 +1,6 @@
 #include "engine/experiment/run_identity.h"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -21,16 +22,18 @@ OrderedJson json_of(const RunIdentity& identity) {
     scenes[scene.name] = {{"file_hash", hash_text(scene.file)},
                           {"geometry_hash", hash_text(scene.geometry)}};
   }
-  return {{"run", hash_text(identity.hash())},
-          {"version", identity.version},
-          {"plan", {{"name", identity.plan_name}, {"hash", hash_text(identity.plan)}}},
-          {"seed", identity.seed},
-          {"participants", identity.participants},
-          {"operator",
-           {{"name", identity.operator_name},
-            {"version", identity.operator_version},
-            {"hash", hash_text(identity.operator_file)}}},
-          {"scenes", scenes}};
+  OrderedJson json = {{"run", hash_text(identity.hash())},
+                      {"version", identity.version},
+                      {"plan", {{"name", identity.plan_name}, {"hash", hash_text(identity.plan)}}},
+                      {"seed", identity.seed},
+                      {"participants", identity.participants},
+                      {"operator",
+                       {{"name", identity.operator_name},
+                        {"version", identity.operator_version},
+                        {"hash", hash_text(identity.operator_file)}}},
+                      {"scenes", scenes}};
+  if (!identity.strategies.empty()) json["strategies"] = identity.strategies;
+  return json;
 }
 
 void read_hash(ObjectReader& reader, const char* key, std::uint64_t& hash) {
@@ -52,6 +55,19 @@ void read_part(ObjectReader& reader, const char* key, const Read& read) {
   if (auto error = part.finish()) reader.fail(*error);
 }
 
+void read_strategy_names(ObjectReader& reader, std::vector<std::string>& strategies) {
+  const nlohmann::json* const found = reader.find("strategies", ObjectReader::Key::kOptional);
+  if (!found) return;
+  const bool is_list = found->is_array() && !found->empty() &&
+                       std::all_of(found->begin(), found->end(),
+                                   [](const nlohmann::json& name) { return name.is_string(); });
+  if (is_list) {
+    strategies = found->get<std::vector<std::string>>();
+  } else {
+    reader.fail(unexpected_value(reader.element_of("strategies"), *found, "a list of names"));
+  }
+}
+
 std::vector<std::pair<std::string, std::string>> flat(const RunIdentity& identity) {
   std::vector<std::pair<std::string, std::string>> entries;
   const nlohmann::json json = nlohmann::json(json_of(identity)).flatten();
@@ -67,6 +83,7 @@ std::uint64_t RunIdentity::hash() const {
   key.add(static_cast<std::uint64_t>(participants)).add(operator_name);
   key.add(static_cast<std::uint64_t>(operator_version)).add(operator_file);
   for (const SceneHashes& scene : scenes) key.add(scene.name).add(scene.file).add(scene.geometry);
+  for (const std::string& strategy : strategies) key.add("strategy").add(strategy);
   return key.value();
 }
 
@@ -87,6 +104,7 @@ RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<Experiment
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     identity.scenes.push_back({plan.objects[i].name, scenes[i].file_hash, scenes[i].geometry_hash});
   }
+  for (const Strategy& strategy : plan.strategies) identity.strategies.push_back(name_of(strategy));
   return identity;
 }
 
@@ -119,6 +137,7 @@ Result<RunIdentity> parse_identity(const std::string& text, const std::string& p
       });
     }
   });
+  read_strategy_names(reader, identity.strategies);
   auto error = reader.finish();
   if (!error && identity.hash() != stated) {
     error = Error{ErrorCode::kInvalidContent, "", "/run",

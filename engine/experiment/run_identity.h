@@ -9,6 +9,7 @@
 
 #include "engine/experiment/experiment_scene.h"
 #include "engine/experiment/plan.h"
+#include "engine/experiment/trials_file.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -27,8 +28,13 @@ struct RunIdentity {
   int participants = 0;
   std::string operator_name;
   int operator_version = 0;
-  std::uint64_t operator_file = 0;  // hash
-  std::vector<SceneHashes> scenes;  // in the order of the plan
+  std::uint64_t operator_file = 0;      // hash
+  std::vector<SceneHashes> scenes;      // in the order of the plan
+  std::vector<std::string> strategies;  // names; empty: a plan with haptic and rotation
+
+  TrialColumns columns() const {
+    return strategies.empty() ? TrialColumns::kFactors : TrialColumns::kStrategies;
+  }
 
   // The KeyHash of all of the above.
   std::uint64_t hash() const;

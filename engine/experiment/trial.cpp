@@ -46,6 +46,8 @@ Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const Ru
   RunSetup trial = setup;
   trial.haptics.force = conditions.force;
   trial.haptics.a4.enabled = conditions.a4;
+  trial.haptics.strategy.reset();
+  if (conditions.strategy) set_strategy(*conditions.strategy, trial.haptics);
   const PlantSettings plant = plant_of(trial, person, conditions.noise_seed);
   if (const auto error = check_setup(scene, trial)) return *error;
   if (const auto error = check_plant(plant, trial.dt_s)) return *error;

@@ -16,6 +16,7 @@
 #include "engine/simulation/hand_path.h"
 #include "engine/simulation/simulated_device.h"
 #include "geometry/base/result.h"
+#include "haptics/strategies/strategy.h"
 
 namespace palpate {
 
@@ -52,6 +53,7 @@ struct TrialConditions {
   bool a4 = false;
   Following following = Following::kDelayed;
   std::uint64_t noise_seed = 0;
+  std::optional<Strategy> strategy = {};  // in place of force and a4
 };
 
 // The outcome of a trial.
@@ -67,12 +69,12 @@ struct TrialOutcome {
 using TrialSink = std::function<void(const TickRecord&)>;
 
 // Runs one trial in simulated time. The same arguments give the same outcome to the bit, except
-// loop_ns: no trial depends on trials before it. setup: as for find_trial_way(); its force mode and
-// A4 are replaced by the conditions. sink: may be empty. Thread-safe: any number of threads may run
-// trials on one scene.
+// loop_ns: no trial depends on trials before it. setup: as for find_trial_way(); its force mode,
+// A4 and strategy are replaced by the conditions. sink: may be empty. Thread-safe: any number of
+// threads may run trials on one scene.
 //
-// Errors: those of check_setup() and check_plant(), which depend neither on the seed nor on the
-// conditions.
+// Errors: those of check_setup() and check_plant(), which do not depend on the seed.
+// They depend on the conditions only through the strategy.
 Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const RunSetup& setup,
                                const TrialSettings& settings, const OperatorParameters& person,
                                const TrialConditions& conditions, const TrialSink& sink = {});

@@ -21,11 +21,13 @@ TrialClock::TrialClock(const TrialWay& way, const TrialSettings& settings, doubl
       dt_s_(dt_s),
       place_(way.path, way.green_along_m, settings.sphere_radius_m),
       long_loss_ticks_(ticks_in(kLongLoss_s, dt_s)),
-      most_ticks_(ticks_in(settings.limit_s, dt_s)) {}
+      most_ticks_(ticks_in(settings.limit_s, dt_s)),
+      strategy_measures_(dt_s) {}
 
 void TrialClock::on_tick(const TickRecord& record) noexcept {
   if (status_) return;
   ++ticks_;
+  if (ticks_ == 1) strategy_measures_.begin(record);
   if (record.faults & kFaultsWithoutSample) {
     status_ = TrialStatus::kFault;
     return;
@@ -48,6 +50,7 @@ void TrialClock::on_tick(const TickRecord& record) noexcept {
 
 void TrialClock::measure(const TickRecord& record) noexcept {
   summary_.add(record);
+  strategy_measures_.add(record);
   gap_ticks_ = record.contact ? 0 : gap_ticks_ + 1;
   if (gap_ticks_ == long_loss_ticks_) ++long_losses_;
   const Vec3 device_m = vec3(record.device_m);
@@ -107,6 +110,7 @@ std::array<std::optional<double>, kMeasureCount> TrialClock::measures() const {
     m[kFirstFaultMeasure + bit] = count(s.faults[bit]);
   }
   m[kMissedDeadlines] = 0.0;  // simulated time has no deadlines
+  strategy_measures_.put(m);
   return m;
 }
 

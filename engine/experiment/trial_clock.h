@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engine/experiment/contour_place.h"
+#include "engine/experiment/strategy_measures.h"
 #include "engine/experiment/trial.h"
 #include "engine/session/haptic_session.h"
 #include "engine/session/run_summary.h"
@@ -56,6 +57,7 @@ class TrialClock final : public TickObserver {
   bool has_started_ = false;
   std::optional<TrialStatus> status_;
   SummaryAccumulator summary_;
+  StrategyMeasures strategy_measures_;
   std::uint64_t long_losses_ = 0;
   std::uint64_t gap_ticks_ = 0;
   bool was_good_ = false;  // the last tick moved or confirmed the place

@@ -15,7 +15,8 @@ namespace palpate {
 
 // ("order", seed, participant, block)
 std::uint64_t order_seed(std::uint64_t seed, int participant, int block);
-// ("noise", seed, participant, block, haptic, rotation, object): the same for all Followings.
+// ("noise", seed, participant, block, haptic, rotation, object): the same for all Followings. In a
+// plan with strategies, haptic and rotation are empty, so that it is the same for all strategies.
 std::uint64_t noise_seed(std::uint64_t seed, int participant, int block, const std::string& haptic,
                          const std::string& rotation, const std::string& object);
 // ("draw", seed, participant, operator name, draw name)

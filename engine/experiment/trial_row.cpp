@@ -1,5 +1,7 @@
 #include "engine/experiment/trial_row.h"
 
+#include <algorithm>
+
 namespace palpate {
 namespace {
 
@@ -34,6 +36,26 @@ constexpr std::array<TrialMeasure, kFirstFaultMeasure> kOwnMeasures = {{
      "mean of the full force minus the commanded force along the normal, over contact", ""},
 }};
 
+constexpr std::array<TrialMeasure, kMeasureCount - kPlainMeasureCount> kStrategyMeasures = {{
+    {"wall_work_J", "J",
+     "work that the tangential part of the commanded force did in the direction of the motion, "
+     "over "
+     "contact",
+     ""},
+    {"largest_contact_work_J", "J",
+     "largest work of the commanded force on the hand in one contact; positive: the device gave "
+     "energy",
+     ""},
+    {"empty_turns", "1", "turns of the scene in free motion that no contact followed within 0.1 s",
+     ""},
+    {"mean_drift_m", "m",
+     "mean distance of the scene from its place at the start, device frame; empty if the scene "
+     "turned",
+     ""},
+    {"worst_drift_m", "m", "largest such distance", ""},
+    {"governor_share", "1", "share of the ticks in which the governor changed the force", ""},
+}};
+
 constexpr std::array<std::string_view, kFaultCount> kFaultMeanings = {
     "ticks whose position was not finite",
     "ticks whose time step was not valid",
@@ -55,6 +77,7 @@ std::array<TrialMeasure, kMeasureCount> make_measures() {
   }
   all[kMissedDeadlines] = {"missed_deadlines", "1",
                            "ticks that began after their deadline; 0 in simulated time", ""};
+  std::copy(kStrategyMeasures.begin(), kStrategyMeasures.end(), all.begin() + kPlainMeasureCount);
   return all;
 }
 

@@ -30,7 +30,8 @@ struct TrialMeasure {
 };
 
 // The indices of the measures in trial_measures(). The measures of the faults, one for each of
-// kFaultNames, begin at kFirstFaultMeasure, and kMissedDeadlines is last.
+// kFaultNames, begin at kFirstFaultMeasure. The measures after kMissedDeadlines are only in files
+// of plans with strategies (strategy_measures.h).
 enum MeasureIndex : std::size_t {
   kTotalTime,
   kContactTime,
@@ -52,8 +53,16 @@ enum MeasureIndex : std::size_t {
   kMissingForce,
   kFirstFaultMeasure,
   kMissedDeadlines = kFirstFaultMeasure + kFaultCount,
+  kWallWork,
+  kLargestContactWork,
+  kEmptyTurns,
+  kMeanDrift,
+  kWorstDrift,
+  kGovernorShare,
   kMeasureCount
 };
+// How many measures a file without strategies has: the first ones.
+inline constexpr std::size_t kPlainMeasureCount = kWallWork;
 
 // All measures, in the order of the columns.
 const std::array<TrialMeasure, kMeasureCount>& trial_measures();
@@ -63,14 +72,16 @@ struct TrialRow {
   std::string participant;  // "1", "2", ... for simulated operators
   int block = 0;            // 0: practice
   int trial = 0;            // place within the block, 1 for the first
-  std::string haptic;       // NoH, UaH or H
-  std::string rotation;     // NoR or R
+  std::string haptic;       // NoH, UaH or H; empty: strategy is set
+  std::string rotation;     // NoR or R; empty: strategy is set
   std::string object;
   int attempt = 1;
   TrialStatus status = TrialStatus::kDone;
   // No value: undefined in this trial (for example a mean over contact without any contact), or not
   // in the file.
   std::array<std::optional<double>, kMeasureCount> measures;
+  // The name of a Strategy, in trials of a plan with strategies; otherwise empty.
+  std::string strategy = {};
 };
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "engine/experiment/csv_reader.h"
@@ -14,6 +15,7 @@
 #include "engine/experiment/strict_json.h"
 #include "geometry/base/printable.h"
 #include "geometry/base/quoted.h"
+#include "haptics/strategies/strategy.h"
 #include "io/gltf/file.h"
 
 namespace palpate {
@@ -57,10 +59,20 @@ constexpr std::array<LeadingColumn, Leading::kCount> kLeadingColumns = {{
      true},
 }};
 
-std::string joined_trial_columns() {
+constexpr LeadingColumn kStrategyColumn = {
+    "strategy", "the technique for missing motors, in place of haptic and rotation", "", false};
+
+// The measures in a file.
+std::span<const TrialMeasure> measures_in(TrialColumns columns) {
+  return std::span(trial_measures())
+      .first(columns == TrialColumns::kFactors ? kPlainMeasureCount : kMeasureCount);
+}
+
+std::string joined_trial_columns(TrialColumns columns) {
   std::string text;
   for (const LeadingColumn& column : kLeadingColumns) text.append(column.name).append(",");
-  for (const TrialMeasure& measure : trial_measures()) text.append(measure.name).append(",");
+  for (const TrialMeasure& measure : measures_in(columns)) text.append(measure.name).append(",");
+  if (columns == TrialColumns::kStrategies) return text.append(kStrategyColumn.name);
   text.pop_back();
   return text;
 }
@@ -71,6 +83,7 @@ constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
 struct Columns {
   std::array<std::size_t, Leading::kCount> leading;
   std::array<std::size_t, kMeasureCount> measures;
+  std::size_t strategy = kAbsent;
   std::size_t count = 0;
 };
 
@@ -111,6 +124,9 @@ Result<Columns> find_columns(const std::vector<std::string>& header) {
     if (!place) return place.error();
     columns.measures[i] = *place;
   }
+  const auto strategy = find_column(header, kStrategyColumn.name);
+  if (!strategy) return strategy.error();
+  columns.strategy = *strategy;
   return columns;
 }
 
@@ -118,7 +134,7 @@ Result<Columns> find_columns(const std::vector<std::string>& header) {
 // as the place may go back.
 bool may_be_negative(std::size_t measure) {
   return measure == kPortWork || measure == kWorkLost || measure == kMissingForce ||
-         measure == kTrackedShare;
+         measure == kTrackedShare || measure == kLargestContactWork;
 }
 
 // The fields of one line, by column.
@@ -144,6 +160,7 @@ class Line {
                                   const std::array<std::string_view, count>& names,
                                   std::string& level, bool may_be_empty = false) const;
   std::optional<Error> read_name(Leading::Index index, std::string& name) const;
+  std::optional<Error> read_condition(TrialRow& row) const;
   std::optional<Error> read_whole(Leading::Index index, int least, int& value) const;
   std::optional<Error> read_measure(std::size_t i, TrialRow& row) const;
 
@@ -211,6 +228,30 @@ std::optional<Error> Line::read_measure(std::size_t i, TrialRow& row) const {
   return std::nullopt;
 }
 
+// A strategy, or the levels of haptic and rotation.
+std::optional<Error> Line::read_condition(TrialRow& row) const {
+  const std::string* const strategy = find(columns_.strategy);
+  if (!strategy || strategy->empty()) {
+    auto error = read_level(Leading::kHaptic, kHapticNames, row.haptic);
+    if (!error) error = read_level(Leading::kRotation, kRotationNames, row.rotation);
+    return error;
+  }
+  const auto known = parse_strategy(*strategy);
+  if (!known || name_of(*known) != *strategy) {
+    return refused(kStrategyColumn.name, *strategy,
+                   "an empty field, or the name of a strategy, such as a4",
+                   "rename the column if it has another meaning");
+  }
+  for (const Leading::Index factor : {Leading::kHaptic, Leading::kRotation}) {
+    if (const std::string& level = *find(columns_.leading[factor]); !level.empty()) {
+      return refused(kLeadingColumns[factor].name, level,
+                     "an empty field, because strategy is " + *strategy);
+    }
+  }
+  row.strategy = *strategy;
+  return std::nullopt;
+}
+
 Result<TrialRow> Line::row() const {
   TrialRow row;
   std::string status;
@@ -219,8 +260,7 @@ Result<TrialRow> Line::row() const {
   if (!error) error = read_name(Leading::kParticipant, row.participant);
   if (!error) error = read_whole(Leading::kBlock, 0, row.block);
   if (!error) error = read_whole(Leading::kTrial, 1, row.trial);
-  if (!error) error = read_level(Leading::kHaptic, kHapticNames, row.haptic);
-  if (!error) error = read_level(Leading::kRotation, kRotationNames, row.rotation);
+  if (!error) error = read_condition(row);
   if (!error) error = read_name(Leading::kObject, row.object);
   if (!error) error = read_whole(Leading::kAttempt, 1, row.attempt);
   if (!error) error = read_level(Leading::kStatus, kTrialStatusNames, status);
@@ -238,20 +278,21 @@ std::string key_of(const TrialRow& row) {
   std::string key;
   for (const std::string& part :
        {row.following, row.participant, std::to_string(row.block), row.haptic, row.rotation,
-        row.object, std::to_string(row.attempt)}) {
+        row.strategy, row.object, std::to_string(row.attempt)}) {
     key += std::to_string(part.size()) + ":" + part;
   }
   return key;
 }
 
 Error doubled(const TrialRow& row, std::size_t line, std::size_t first_line) {
-  return trials_error("line " + std::to_string(line),
-                      "has the trial of line " + std::to_string(first_line) + " again: " +
-                          (row.following.empty() ? "" : row.following + ", ") + "participant " +
-                          row.participant + ", block " + std::to_string(row.block) + ", " +
-                          row.haptic + ", " + row.rotation + ", " + row.object + ", attempt " +
-                          std::to_string(row.attempt) + "; expected each trial once",
-                      "remove one of the lines, or number the attempts");
+  return trials_error(
+      "line " + std::to_string(line),
+      "has the trial of line " + std::to_string(first_line) +
+          " again: " + (row.following.empty() ? "" : row.following + ", ") + "participant " +
+          row.participant + ", block " + std::to_string(row.block) + ", " +
+          (row.strategy.empty() ? row.haptic + ", " + row.rotation : row.strategy) + ", " +
+          row.object + ", attempt " + std::to_string(row.attempt) + "; expected each trial once",
+      "remove one of the lines, or number the attempts");
 }
 
 Result<std::vector<TrialRow>> read_rows(CsvReader& reader, const Columns& columns) {
@@ -304,33 +345,38 @@ Result<std::vector<TrialRow>> parse_text(std::string_view text) {
 
 }  // namespace
 
-const std::string& trials_columns() {
-  static const std::string columns = joined_trial_columns();
-  return columns;
+const std::string& trials_columns(TrialColumns columns) {
+  static const std::array<std::string, 2> texts = {joined_trial_columns(TrialColumns::kFactors),
+                                                   joined_trial_columns(TrialColumns::kStrategies)};
+  return texts[static_cast<std::size_t>(columns)];
 }
 
 void add_row(CsvLines& lines, const TrialRow& row) {
   lines.add(row.following).add(row.participant).add(row.block).add(row.trial).add(row.haptic);
   lines.add(row.rotation).add(row.object).add(row.attempt);
   lines.add(kTrialStatusNames[static_cast<std::size_t>(row.status)]);
-  for (const std::optional<double>& measure : row.measures) {
-    if (measure) {
-      lines.add(*measure);
+  const bool has_strategy = !row.strategy.empty();
+  for (std::size_t i = 0; i < (has_strategy ? kMeasureCount : kPlainMeasureCount); ++i) {
+    if (row.measures[i]) {
+      lines.add(*row.measures[i]);
     } else {
       lines.skip(1);
     }
   }
+  if (has_strategy) lines.add(row.strategy);
   lines.end_line();
 }
 
-std::string columns_csv() {
+std::string columns_csv(TrialColumns columns) {
   CsvLines lines("name,unit,meaning,paper");
-  for (const LeadingColumn& column : kLeadingColumns) {
+  const auto add = [&](const LeadingColumn& column) {
     lines.add(column.name).add("").add(column.meaning).add(column.paper).end_line();
-  }
-  for (const TrialMeasure& measure : trial_measures()) {
+  };
+  for (const LeadingColumn& column : kLeadingColumns) add(column);
+  for (const TrialMeasure& measure : measures_in(columns)) {
     lines.add(measure.name).add(measure.unit).add(measure.meaning).add(measure.paper).end_line();
   }
+  if (columns == TrialColumns::kStrategies) add(kStrategyColumn);
   return lines.text();
 }
 

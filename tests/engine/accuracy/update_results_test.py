@@ -198,6 +198,30 @@ def check_experiment(copy):
     expect(copy.run()[0] == 0, "the committed experiment is accepted")
 
 
+def check_comparison(copy):
+    path = copy.root / "benchmarks/results/compare/people2005.json"
+    committed = path.read_text()
+    result = json.loads(committed)
+    for row in result["means"]:
+        row.update(mean=0.5, standing="best" if row["strategy"] == "mask" else "")
+    result["a4_losses"] = [dict(result["a4_losses"][0], measure="total time", strategy=name, role=role)
+                           for name, role in (("full", "reference"), ("cd", "technique"))]
+    next(row for row in result["strategies"] if row["strategy"] == "cd")["done"] = 0
+    path.write_text(json.dumps(result))
+    expect_refused(copy, "--check reports another comparison", "README.md")
+    expect(copy.run()[0] == 0, "another comparison is accepted")
+    text = copy.readme.read_text()
+    expect("| penetration | 500.0 mm | **500.0 mm** | 500.0 mm |" in text,
+           "the README has the means, and the best technique in bold")
+    expect("| `cd` (*) |" in text, "the README marks a strategy that completed too few trials")
+    expect("A4 loses by total time (to `cd`)." in text, "the README states where A4 loses")
+    result["means"] = [row for row in result["means"] if row["measure"] != "penetration"]
+    path.write_text(json.dumps(result))
+    expect_refused(copy, "an incomplete comparison is named", "people2005.json")
+    path.write_text(committed)
+    expect(copy.run()[0] == 0, "the committed comparison is accepted")
+
+
 def check_two_machines(copy):
     other = copy.path.with_name("other.json")
     document = json.loads(copy.committed)
@@ -236,6 +260,7 @@ def main():
         check_markers(copy)
         check_pictures(copy)
         check_experiment(copy)
+        check_comparison(copy)
         check_two_machines(copy)
     print("the documents follow their results")
     return 0

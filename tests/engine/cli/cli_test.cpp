@@ -297,7 +297,7 @@ TEST_F(CommandLine, StatesTheDefaultsOfRunAndReplay) {
 TEST_F(CommandLine, RefusesUnknownArguments) {
   write_path();
   expect_refused({}, {"subcommand is required; expected run, view, replay, recording, accuracy, "
-                      "experiment, soak, info or devices"});
+                      "experiment, compare, soak, info or devices"});
   expect_refused({"feel"}, {"feel"});
   expect_refused({"--bogus"}, {"--bogus"});
   expect_refused({"info"}, {"SCENE"});

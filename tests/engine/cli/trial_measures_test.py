@@ -40,6 +40,12 @@ PLANS = [
      "device": {**PAPER, "rate_Hz": 700, "stiffness_N_per_m": 600, "radius_m": 0.002},
      "display_Hz": 30, "sphere_radius_m": 0.00801, "limit_s": 12, "objects": {"O4": "lock.glb"},
      "operator": "literature", "followings": ["predict"]},
+    # Strategies, with a limit of the force that the governor enforces.
+    {"palpate_plan": 1, "participants": 1, "blocks": 1, "practice_blocks": 0,
+     "strategies": ["mask", "a4", "a4-anticipate", "anisotropic:4", "cd"], "name": "strategies",
+     "seed": 13, "device": {**PAPER, "max_force_N": 5}, "display_Hz": 40, "sphere_radius_m": 0.006,
+     "limit_s": 20, "objects": {"O1": "star.glb"}, "operator": "people2005",
+     "followings": ["delayed"]},
 ]
 
 
@@ -125,6 +131,55 @@ def clocked(contact, touched, green, red, radius):
     return first, stops[0], "done" if stops[0] == ticks - 1 else "done, at an earlier tick"
 
 
+def turns(contact, turning, wait):
+    """How many turns in free motion end without a touch within `wait` ticks."""
+    empty, since = 0, None
+    for touches, turns_now in zip(contact, turning):
+        if touches:
+            since = None
+        elif turns_now:
+            since = 0
+        elif since is not None:
+            since += 1
+            if since == wait:
+                empty, since = empty + 1, None
+    return empty
+
+
+def strategy_measures(ticks, plan, first, last):
+    """Exact measures, and expected value and bound of the others, of a plan with strategies. Drift
+    has no value if the scene has turned."""
+    device, force = ticks.vectors("device"), ticks.vectors("force")
+    normal, pose, origin = ticks.vectors("normal"), ticks.vectors("q", "wxyz"), ticks.vectors("o")
+    contact = [c == 1.0 for c in ticks.numbers("contact")]
+    wall, works, of_contact, drift, worst = Sum(), [], Sum(), Sum(), 0.0
+    for i in range(first, last + 1):
+        away = norm(minus(origin[i], origin[0]))
+        drift.add(away)
+        worst = max(worst, away)
+        if i == first or not contact[i - 1]:
+            continue
+        moved = minus(device[i], device[i - 1])
+        n = rotated(pose[i - 1], normal[i - 1])
+        along = dot(force[i - 1], n)
+        magnitude = norm(force[i - 1]) * norm(moved)
+        wall.add(max(0.0, dot(minus(force[i - 1], [along * x for x in n]), moved)), magnitude)
+        of_contact.add(dot(force[i - 1], moved), magnitude)
+        if not contact[i] or i == last:
+            works.append(of_contact.value())
+            of_contact = Sum()
+    governed = sum("governor" in names for names in ticks.texts("faults")[first:])
+    exact = {"empty_turns": turns(contact[first:], [r != 0 for r in ticks.numbers("rotation_deg")[first:]],
+                                  round(0.1 * plan["device"]["rate_Hz"]))}
+    count = last - first + 1
+    near = {"wall_work_J": wall.value(), "largest_contact_work_J": max(works),
+            "governor_share": (governed / count, ROUNDING)}
+    if all(q == pose[0] for q in pose[first:]):
+        near["mean_drift_m"] = drift.value(count)
+        near["worst_drift_m"] = (worst, 16 * ROUNDING * worst)
+    return exact, near
+
+
 def measures(ticks, plan, model):
     """Expected value and bound of each measure; the status of the trial."""
     dt = 1.0 / plan["device"]["rate_Hz"]
@@ -188,6 +243,10 @@ def measures(ticks, plan, model):
         "mean_ghost_force_N": ghost.value(contact_ticks),
         "mean_missing_force_N": missing.value(contact_ticks),
     }
+    if "strategies" in plan:
+        more_exact, more_near = strategy_measures(ticks, plan, first, last)
+        exact.update(more_exact)
+        near.update(more_near)
     if status == "timeout" and len(time) != round(plan["limit_s"] / dt):
         status = "timeout at the limit"
     return exact, near, status
@@ -214,7 +273,10 @@ def judge(program, models, plan, folder):
     for row in rows:
         ticks = Ticks(trace_of(folder, row))
         exact, near, status = measures(ticks, plan, pathlib.Path(plan["objects"][row["object"]]))
-        name = f"{plan['name']}, trial {row['trial']} ({row['haptic']} {row['rotation']})"
+        levels = row.get("strategy") or f"{row['haptic']} {row['rotation']}"
+        name = f"{plan['name']}, trial {row['trial']} ({levels})"
+        if "strategies" in plan and ("mean_drift_m" in near) == (row["mean_drift_m"] == ""):
+            wrong.append(f"{name}: mean_drift_m is \"{row['mean_drift_m']}\"")
         if row["status"] != status:
             wrong.append(f"{name}: status is {row['status']}; expected {status}")
         for column, value in exact.items():

@@ -46,6 +46,13 @@ Json paper() {
   return Json::parse(paper_plan_text(""));
 }
 
+// Puts strategies in place of haptic and rotation.
+void set_strategies(Json& plan, const Json& strategies) {
+  plan.erase("haptic");
+  plan.erase("rotation");
+  plan["strategies"] = strategies;
+}
+
 const std::vector<Breakage>& broken_plans() {
   static const std::vector<Breakage> all = {
       {"no object", [](Json& j) { j = Json::array(); }, "JSON", "expected an object"},
@@ -59,6 +66,38 @@ const std::vector<Breakage>& broken_plans() {
       {"missing key", [](Json& j) { j.erase("limit_s"); }, "/limit_s", "is missing"},
       {"format", [](Json& j) { j["palpate_plan"] = 2; }, "/palpate_plan", "is 2; expected 1"},
       {"no format", [](Json& j) { j.erase("palpate_plan"); }, "/palpate_plan", "is missing"},
+      {"strategies beside haptic", [](Json& j) { j["strategies"] = {"mask"}; }, "/strategies",
+       "is used together with haptic; expected strategies, or haptic and rotation"},
+      {"strategies beside rotation",
+       [](Json& j) {
+         j.erase("haptic");
+         j["strategies"] = {"mask"};
+       },
+       "/strategies", "is used together with rotation"},
+      {"strategies in no list", [](Json& j) { set_strategies(j, "mask"); }, "/strategies",
+       "is \"mask\"; expected a list of 1 to 100 strategies"},
+      {"no strategy", [](Json& j) { set_strategies(j, Json::array()); }, "/strategies",
+       "is a list of 0"},
+      {"too many strategies",
+       [](Json& j) { set_strategies(j, std::vector<std::string>(101, "mask")); }, "/strategies",
+       "is a list of 101"},
+      {"a number among the strategies",
+       [](Json& j) {
+         set_strategies(j, {"mask", 4});
+       },
+       "/strategies/1", "is 4"},
+      {"unknown strategy",
+       [](Json& j) {
+         set_strategies(j, {"mask", "a5"});
+       },
+       "/strategies/1", "is \"a5\"; expected one of none, mask, full, a4"},
+      {"a strategy without its number", [](Json& j) { set_strategies(j, {"anisotropic"}); },
+       "/strategies/0", "is \"anisotropic\""},
+      {"repeated strategy",
+       [](Json& j) {
+         set_strategies(j, {"a4", "mask", "a4"});
+       },
+       "/strategies/2", "is a4 again"},
       {"name is a number", [](Json& j) { j["name"] = 1; }, "/name", "expected a text"},
       {"name is empty", [](Json& j) { j["name"] = ""; }, "/name", "expected a text"},
       {"name has a control character", [](Json& j) { j["name"] = "a\x1b[2J"; }, "/name",
@@ -375,7 +414,7 @@ TEST(TrialsFile, RestoresEveryRowToTheBit) {
                .attempt = 2,
                .status = TrialStatus::kFault,
                .measures = {}};
-  for (std::size_t i = 0; i < kMeasureCount; ++i) {
+  for (std::size_t i = 0; i < kPlainMeasureCount; ++i) {
     if (i % 5 != 4) row.measures[i] = std::ldexp(1.0 / 3.0 + static_cast<double>(i), -60);
   }
   CsvLines lines(trials_columns());

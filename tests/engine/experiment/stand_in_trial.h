@@ -27,6 +27,7 @@ inline TrialFunctions stand_in_trials(std::chrono::microseconds duration = {}) {
     KeyHash key;
     key.add(conditions.noise_seed).add(std::uint64_t{conditions.a4});
     key.add(static_cast<std::uint64_t>(conditions.force));
+    if (conditions.strategy) key.add(name_of(*conditions.strategy));
     // Without rotation, the Following has no effect.
     key.add(static_cast<std::uint64_t>(conditions.a4 ? conditions.following : Following::kDelayed));
     key.add(person.speed_m_per_s).add(settings.limit_s).add(setup.haptics.plane_height_m);

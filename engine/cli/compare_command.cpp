@@ -1,0 +1,278 @@
+// `compare`: compares strategies for missing motors on the same simulated hands and scenes.
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/cli/all_commands.h"
+#include "engine/cli/command_help.h"
+#include "engine/cli/command_output.h"
+#include "engine/cli/number_option.h"
+#include "engine/cli/program_signals.h"
+#include "engine/cli/run_options.h"
+#include "engine/cli/scene_options.h"
+#include "engine/cli/setting_texts.h"
+#include "engine/cli/shard_option.h"
+#include "engine/experiment/compare_run.h"
+#include "engine/experiment/strategy_report.h"
+#include "engine/experiment/strategy_tables.h"
+#include "engine/experiment/strategy_text.h"
+#include "engine/experiment/trial.h"
+#include "engine/report/output_files.h"
+#include "geometry/base/parallel.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kIncompleteTrials = 3;
+constexpr std::string_view kEveryStrategy = "none,mask,full,a4,a4-anticipate,anisotropic,cd";
+
+struct CompareRequest {
+  CompareSettings settings;
+  SceneOptions scene;  // its path is not used
+  RunOptions options;
+  std::string strategies{kEveryStrategy};
+  std::string out_dir = "compare";
+  std::string shard;
+  std::optional<int> jobs;
+  bool json = false;
+};
+
+// The settings of the device, checked. Errors name options.
+Result<RunSettings> device_settings(const RunOptions& options) {
+  RunSettings settings = options.settings;
+  if (settings.sensors != 2) {
+    return invalid_argument("--sensors", "is " + std::to_string(settings.sensors) + "; expected 2",
+                            "the hands follow a contour in the plane of two sensors");
+  }
+  auto axes = parse_axes(options.actuated_axes);
+  if (!axes) return axes.error();
+  settings.actuated_axes = std::move(*axes);
+  auto place = parse_place(options.place);
+  if (!place) return place.error();
+  settings.place = *place;
+  const auto setup = make_setup(settings);
+  if (!setup) return setup.error();
+  return settings;
+}
+
+Result<CompareSettings> compare_settings(const CompareRequest& request) {
+  auto device = device_settings(request.options);
+  if (!device) return device.error();
+  auto scene = scene_settings_of(request.scene, device->radius_m);
+  if (!scene) return scene.error();
+  auto settings = with_strategies(request.settings, request.strategies);
+  if (!settings) {
+    Error error = settings.error();
+    error.element = "--strategies";
+    return error;
+  }
+  settings->device = std::move(*device);
+  settings->scene = std::move(*scene);
+  return settings;
+}
+
+// An error of a plan names the option that made the element of the plan.
+Error with_compare_options(Error error) {
+  constexpr std::pair<std::string_view, std::string_view> kOptions[] = {
+      {"/operator", "--operator"}, {"/participants", "--hands"}, {"/seed", "--seed"}};
+  if (!error.path.empty()) return error;
+  if (error.element.starts_with("/strategies")) {
+    error.element = "--strategies";
+    if (error.hint.empty()) error.hint = "leave it out of --strategies";
+  }
+  for (const auto& [element, option] : kOptions) {
+    if (error.element == element) error.element = option;
+  }
+  constexpr std::string_view kDevice = "/device/";
+  if (error.element.starts_with(kDevice)) {
+    error.element.erase(0, kDevice.size());
+    error.code = ErrorCode::kInvalidArgument;  // refuse() replaces the field by the option
+  }
+  return error;
+}
+
+// "palpate compare" again continues where this call stopped.
+int report_stopped_comparison(const CompareOutcome& outcome, const CompareRequest& request) {
+  std::size_t done = 0;
+  for (const ExperimentRunOutcome& run : outcome.runs) {
+    done += run.computed.size() + run.kept.size();
+  }
+  std::cerr << "palpate: interrupted; the trials of " << done << " hands are complete in "
+            << request.out_dir << ", and the same command goes on from there\n";
+  return exit_code_after_signals(0);
+}
+
+int report_shard(const CompareRequest& request) {
+  std::cout << "shard " << request.shard << " is complete in " << request.out_dir
+            << "/; when all shards are there, the same command without --shard compares them\n";
+  return exit_code_after_signals(finish_output());
+}
+
+// "star, lock: 160 trials of 20 hands, people2005, seed 2005"
+std::string compare_heading(const CompareSettings& settings, const FollowingComparison& first) {
+  std::string scenes;
+  for (const std::string& scene : settings.scenes) scenes += (scenes.empty() ? "" : ", ") + scene;
+  int trials = 0;
+  for (const StrategyOutcome& outcome : first.outcomes) trials += outcome.counts.trials;
+  return scenes + ": " + std::to_string(trials) + " trials of " + std::to_string(first.hands) +
+         " hands of " + settings.person + ", seed " + std::to_string(settings.seed) + "\n";
+}
+
+std::string results_text(const CompareSettings& settings, const CompareOutcome& outcome,
+                         const CompareRequest& request) {
+  std::string text = compare_heading(settings, outcome.followings.front());
+  for (const FollowingComparison& following : outcome.followings) {
+    if (outcome.followings.size() > 1) text += "\nfollowing " + following.following + "\n";
+    text += comparison_text(following);
+  }
+  return text + kSimulatedHandsSentence + "\nreport.html, comparison.json and " +
+         std::to_string(kStrategyTableNames.size()) + " tables are in " + request.out_dir + "/\n";
+}
+
+int report_results(const CompareSettings& settings, const CompareOutcome& outcome,
+                   const CompareRequest& request) {
+  auto files = OutputFiles::create(request.out_dir, comparison_report_names());
+  if (!files) return refuse(files.error());
+  if (const auto error = write_comparison_report(settings, outcome.followings, *files)) {
+    return refuse(*error);
+  }
+  {
+    const SignalPhaseScope not_now(SignalPhase::kDeferred);
+    if (const auto error = files->move_into_place()) return refuse(*error);
+  }
+  std::cout << (request.json ? comparison_json(settings, outcome.followings)
+                             : results_text(settings, outcome, request));
+  const bool is_complete = std::all_of(
+      outcome.followings.begin(), outcome.followings.end(),
+      [](const FollowingComparison& following) { return following.incomplete().empty(); });
+  const int code = finish_output();
+  return exit_code_after_signals(code == 0 && !is_complete ? kIncompleteTrials : code);
+}
+
+int run_compare(const CompareRequest& request) {
+  const auto settings = compare_settings(request);
+  if (!settings) return refuse(settings.error());
+  ExperimentRunSettings run;
+  run.out_folder = request.out_dir;
+  if (!request.shard.empty()) {
+    const auto shard = parse_shard(request.shard);
+    if (!shard) return refuse(shard.error());
+    run.shard = *shard;
+  }
+  const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
+  run.jobs = request.jobs.value_or(run.shard ? 1 : cores);
+  if (const auto error = check_output()) return refuse(*error);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  Result<CompareOutcome> outcome = CompareOutcome{};
+  {
+    ProgressBar bar("compare");
+    outcome = run_comparison(
+        *settings, run, {find_trial_way, run_trial},
+        [&](const ExperimentProgress& progress) { bar.show(progress.share); }, &signal_flag());
+  }
+  if (!outcome) return refuse(with_compare_options(outcome.error()));
+  if (!outcome->runs.back().not_done.empty()) return report_stopped_comparison(*outcome, request);
+  if (run.shard) return report_shard(request);
+  return report_results(*settings, *outcome, request);
+}
+
+class CompareCommand final : public Command {
+ public:
+  CLI::App* add_to(CLI::App& program) override;
+  int run(const std::vector<std::string>&) override { return run_compare(request_); }
+
+ private:
+  void add_scenes(CLI::App& app);
+  void add_hands(CLI::App& app);
+
+  CompareRequest request_;
+};
+
+// Removes options that a comparison sets itself, or that its plan does not have.
+void remove_options(CLI::App& app, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (CLI::Option* const option = app.get_option_no_throw(name)) app.remove_option(option);
+  }
+}
+
+void CompareCommand::add_scenes(CLI::App& app) {
+  add_scene(app, request_.scene, false);
+  add_place(app, request_.options);
+  remove_options(app, {"SCENE", "--material", "--max-memory", "--move"});
+  app.add_option("SCENE", request_.settings.scenes,
+                 "glTF 2.0 files, .gltf or .glb; the options of the scene apply to each of them")
+      ->required();
+}
+
+void CompareCommand::add_hands(CLI::App& app) {
+  CompareSettings& settings = request_.settings;
+  app.add_option("--strategies", request_.strategies,
+                 "list of none, mask, full, a4, a4-anticipate, anisotropic, anisotropic:E and cd, "
+                 "separated by commas")
+      ->capture_default_str()
+      ->group(kHandGroup);
+  add_integer(app, "--hands", settings.hands, {2, kMostParticipants}, "simulated hands, 2 or more")
+      ->group(kHandGroup);
+  app.add_option("--operator", settings.person,
+                 "people2005, literature, or an operator file: the ranges of the hands")
+      ->capture_default_str()
+      ->group(kHandGroup);
+  app.add_flag("--followings", settings.has_all_followings,
+               "compare with hands of all followings; otherwise with delayed alone")
+      ->group(kHandGroup);
+  add_integer(app, "--seed", settings.seed, {0, (std::uint64_t{1} << 53) - 1}, "seed of the hands")
+      ->group(kHandGroup);
+  add_integer(app, "--jobs", request_.jobs, {1, kMostJobs},
+              "hands to compute at the same time [the number of cores; 1 for a shard]")
+      ->group(kHandGroup);
+  app.add_option("--shard", request_.shard,
+                 "i/n: compute the hands i, i + n, i + 2 n, ... only, into a folder that the "
+                 "shards share; a call without this option then compares")
+      ->type_name("i/n")
+      ->group(kHandGroup);
+}
+
+CLI::App* CompareCommand::add_to(CLI::App& program) {
+  RunSettings& settings = request_.options.settings;
+  settings.sensors = 2;
+  settings.default_actuators = 1;
+  CLI::App& app = *program.add_subcommand(
+      "compare", "compare techniques for missing motors on the same simulated hands");
+  set_help(app, "  ./run.sh compare models/star.glb --hands 4 --strategies mask,a4\n",
+           "Each hand follows the contour of each scene once with each strategy, with the same "
+           "random numbers.\nDIR/report.html states which technique is best by which measure, and "
+           "where A4 loses;\ncomparison.json and four CSV files have all numbers. DIR/plan.json is "
+           "the plan, DIR/trials has the\ntrials. If the command is interrupted, the same command "
+           "computes the missing hands only.\n`anisotropic` tries six values of E on other hands, "
+           "and takes for each measure the best one.\nExit code 3: fewer than 90 % of a strategy's "
+           "trials ended at the red sphere.\n");
+  add_scenes(app);
+  add_device(app, request_.options,
+             "step of the device's encoders, m; required by the adaptive estimator");
+  remove_options(app, {"--force", "--strategy"});
+  add_workspace(app, settings.device);
+  for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
+  add_hands(app);
+  add_touch(app, settings);
+  add_rotation(app, settings);
+  app.add_option("--out", request_.out_dir, "folder of the results")
+      ->capture_default_str()
+      ->group(kOutputGroup);
+  app.add_flag("--json", request_.json, "print the results as JSON")->group(kOutputGroup);
+  return &app;
+}
+
+}  // namespace
+
+std::unique_ptr<Command> make_compare_command() {
+  return std::make_unique<CompareCommand>();
+}
+
+}  // namespace palpate

@@ -1,0 +1,107 @@
+#include "engine/experiment/compare_run.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "engine/experiment/experiment_merge.h"
+#include "engine/experiment/trials_file.h"
+#include "engine/report/whole_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<CompareHands> hands_of(const CompareSettings& settings) {
+  if (!settings.is_tuned) return {CompareHands::kCompared};
+  return {CompareHands::kCompared, CompareHands::kTuning};
+}
+
+std::optional<Error> write_plan_file(const CompareSettings& settings, CompareHands hands,
+                                     const std::string& folder) {
+  auto file = WholeFile::create(compare_plan_path(folder, hands));
+  if (!file) return file.error();
+  file->add(compare_plan_text(settings, hands, folder));
+  return file->finish();
+}
+
+// The trials of one plan count more in the progress, the more strategies the plan has.
+double share_of_trials(const std::vector<ExperimentPlan>& plans, std::size_t run) {
+  std::uint64_t all = 0;
+  for (const ExperimentPlan& plan : plans) all += plan.trials_per_participant();
+  return static_cast<double>(plans[run].trials_per_participant()) / static_cast<double>(all);
+}
+
+Result<std::vector<TrialRow>> trial_rows_in(const std::string& folder, CompareHands hands) {
+  return read_trials((fs::path(compare_trials_folder(folder, hands)) / kTrialsFile).string());
+}
+
+Result<std::vector<FollowingComparison>> compare_rows(const CompareSettings& settings,
+                                                      const ExperimentPlan& plan,
+                                                      const std::string& folder) {
+  const auto rows = trial_rows_in(folder, CompareHands::kCompared);
+  if (!rows) return rows.error();
+  std::vector<TrialRow> tuning_rows;
+  if (settings.is_tuned) {
+    auto read = trial_rows_in(folder, CompareHands::kTuning);
+    if (!read) return read.error();
+    tuning_rows = std::move(*read);
+  }
+  const ComparedStrategies compared = compared_strategies(settings, plan);
+  std::vector<FollowingComparison> followings;
+  for (const Following following : plan.followings) {
+    const std::string name(kFollowingNames[static_cast<std::size_t>(following)]);
+    followings.push_back(compare_strategies(*rows, tuning_rows, compared, name));
+  }
+  return followings;
+}
+
+}  // namespace
+
+std::string compare_trials_folder(const std::string& folder, CompareHands hands) {
+  return (fs::path(folder) / (hands == CompareHands::kCompared ? "trials" : "tuning")).string();
+}
+
+std::string compare_plan_path(const std::string& folder, CompareHands hands) {
+  const char* const name = hands == CompareHands::kCompared ? "plan.json" : "tuning-plan.json";
+  return (fs::path(folder) / name).string();
+}
+
+Result<CompareOutcome> run_comparison(
+    const CompareSettings& settings, const ExperimentRunSettings& run,
+    const TrialFunctions& functions, const std::function<void(const ExperimentProgress&)>& progress,
+    const StopFlag* stop) {
+  const std::string& folder = run.out_folder;
+  std::vector<ExperimentPlan> plans;
+  for (const CompareHands hands : hands_of(settings)) {
+    auto plan = compare_plan(settings, hands);
+    if (!plan) return plan.error();
+    plans.push_back(std::move(*plan));
+  }
+  CompareOutcome outcome;
+  double share_before = 0.0;
+  for (const CompareHands hands : hands_of(settings)) {
+    const std::size_t number = outcome.runs.size();
+    ExperimentRunSettings one = run;
+    one.out_folder = compare_trials_folder(folder, hands);
+    const double share = share_of_trials(plans, number);
+    const auto show = [&](const ExperimentProgress& of_run) {
+      if (progress) progress({share_before + share * of_run.share, std::nullopt});
+    };
+    auto done = run_experiment(plans[number], one, functions, show, stop);
+    if (!done) return done.error();
+    // After the run, because a run that is refused writes nothing.
+    if (auto error = write_plan_file(settings, hands, folder)) return *error;
+    share_before += share;
+    const bool is_stopped = !done->not_done.empty();
+    outcome.runs.push_back(std::move(*done));
+    if (is_stopped) return outcome;
+  }
+  if (run.shard) return outcome;
+  auto followings = compare_rows(settings, plans.front(), folder);
+  if (!followings) return followings.error();
+  outcome.followings = std::move(*followings);
+  return outcome;
+}
+
+}  // namespace palpate

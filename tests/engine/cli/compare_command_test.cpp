@@ -1,0 +1,161 @@
+// `palpate compare` as a user or a script runs it.
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/engine/cli/run_program.h"
+#include "tests/helpers/gltf_builder.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::content_of;
+using test::TemporaryFolder;
+
+using Arguments = std::vector<std::string>;
+
+const std::string kStar = PALPATE_MODELS_DIR "/star.glb";
+
+class CompareCommandTest : public testing::Test {
+ protected:
+  // A small star, which a hand follows in some seconds.
+  test::Outcome call(const Arguments& more) const {
+    Arguments arguments{"compare", kStar, "--scale", "0.5"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(folder, arguments);
+  }
+  // Code 2, nothing on stdout, one line on stderr with all of `parts`, and no new file.
+  void expect_refused(const Arguments& arguments, const std::vector<std::string>& parts) const {
+    std::string line;
+    for (const std::string& argument : arguments) line += argument + " ";
+    SCOPED_TRACE(line);
+    const test::Outcome o = run_program(folder, arguments);
+    EXPECT_EQ(o.exit_code, 2);
+    EXPECT_EQ(o.out, "");
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    EXPECT_TRUE(o.err.starts_with("palpate: ") && o.err.ends_with("\n")) << o.err;
+    for (const std::string& part : parts) EXPECT_NE(o.err.find(part), std::string::npos) << o.err;
+    EXPECT_FALSE(fs::exists(folder.path("compare")));
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(CompareCommandTest, BeginsItsHelpWithAnExample) {
+  const test::Outcome o = run_program(folder, {"compare", "--help"});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_TRUE(o.out.starts_with("Example:\n  ./run.sh compare models/star.glb ")) << o.out;
+  for (const char* const own : {"--force", "--a4 ", "--material", "--move"}) {
+    EXPECT_EQ(o.out.find(own), std::string::npos) << own;
+  }
+}
+
+TEST_F(CompareCommandTest, RefusesBadListsAndValuesInOneLine) {
+  const auto with = [](const Arguments& more) {
+    Arguments arguments{"compare", kStar};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  expect_refused({"compare"}, {"SCENE"});
+  expect_refused({"compare", "missing.glb"}, {"missing.glb: ", "cannot be opened"});
+  expect_refused(with({"--strategies", ""}), {"--strategies: has an empty value"});
+  expect_refused(with({"--strategies", "mask,a5"}),
+                 {"--strategies: has a name that is \"a5\"; expected one of none, mask"});
+  expect_refused(with({"--strategies", "mask,mask"}), {"--strategies: has mask twice"});
+  expect_refused(with({"--strategies", "anisotropic:0.01"}), {"--strategies", "0.0625 to 16"});
+  expect_refused(with({"--strategies", "anisotropic:2,anisotropic"}), {"--strategies: has both"});
+  expect_refused(with({"--strategies", "anisotropic:2", "--radius", "0.002"}),
+                 {"--strategies: anisotropic:2 is refused for object star"});
+  for (const char* const hands : {"1", "0", "-2", "10001", "2.5", "ten"}) {
+    expect_refused(with({"--hands", hands}), {"--hands", "from 2 to 10000"});
+  }
+  expect_refused(with({"--operator", "nobody"}), {"--operator: is \"nobody\""});
+  expect_refused(with({"--sensors", "3"}), {"--sensors: is 3; expected 2"});
+  expect_refused(with({"--actuators", "3"}), {"actuators"});
+  expect_refused(with({"--seed", "9007199254740992"}), {"--seed"});
+  expect_refused(with({"--shard", "3/2"}), {"--shard: is \"3/2\""});
+  expect_refused(with({"--jobs", "0"}), {"--jobs"});
+  expect_refused(with({"--force", "full"}), {"--force"});
+  expect_refused(with({"--scale", "1", "--fit", "0.1"}), {"--fit"});
+  expect_refused(with({"--plane-height", "5"}), {"--plane-height: is 5 m"});
+  expect_refused(with({"--max-force", "30"}), {"--max-force: is 30 N; expected at most 20 N"});
+}
+
+TEST_F(CompareCommandTest, WritesAReportOfTheTrials) {
+  const test::Outcome o = call({"--hands", "2", "--strategies", "mask,a4", "--jobs", "2"});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_EQ(o.err, "");
+  EXPECT_NE(o.out.find(": 4 trials of 2 hands of people2005, seed 2005\n"), std::string::npos)
+      << o.out;
+  EXPECT_NE(o.out.find("contact angle, deg"), std::string::npos) << o.out;
+  for (const char* const name :
+       {"plan.json", "report.html", "comparison.json", "means.csv", "strategies.csv",
+        "a4_losses.csv", "tuning.csv", "trials/trials.csv", "trials/run.json"}) {
+    EXPECT_TRUE(fs::exists(folder.path(std::string("compare/") + name))) << name;
+  }
+  // The plan that was written gives the same trials.
+  const test::Outcome run =
+      run_program(folder, {"experiment", "run", "compare/plan.json", "--out", "again"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(content_of(folder.path("again/trials.csv")),
+            content_of(folder.path("compare/trials/trials.csv")));
+  const test::Outcome analyse = run_program(folder, {"experiment", "analyse", "again/trials.csv"});
+  EXPECT_EQ(analyse.exit_code, 2);
+  EXPECT_NE(analyse.err.find("again/trials.csv: column strategy: is "), std::string::npos)
+      << analyse.err;
+  EXPECT_NE(analyse.err.find("palpate compare"), std::string::npos) << analyse.err;
+  // A second call computes nothing, and prints the same as JSON.
+  const std::string json = content_of(folder.path("compare/comparison.json"));
+  const test::Outcome printed =
+      call({"--hands", "2", "--strategies", "mask,a4", "--jobs", "1", "--json"});
+  EXPECT_EQ(printed.exit_code, 0) << printed.err;
+  EXPECT_EQ(printed.out, json);
+  EXPECT_EQ(Json::parse(printed.out)["comparable"]["delayed"], true);
+}
+
+// A person who hardly moves does not arrive within the limit.
+TEST_F(CompareCommandTest, EndsWithThreeAndWritesAllTheSameIfTrialsAreNotCompleted) {
+  Json person = Json::parse(content_of(PALPATE_EXPERIMENT_DIR "/people2005.json"));
+  person["parameters"]["speed_m_per_s"]["low"] = 1e-4;
+  person["parameters"]["speed_m_per_s"]["high"] = 2e-4;
+  folder.write("slow.json", person.dump());
+  const test::Outcome o = call({"--hands", "2", "--strategies", "mask", "--operator", "slow.json"});
+  EXPECT_EQ(o.exit_code, 3) << o.err;
+  EXPECT_NE(o.out.find("not comparable: 0 of 2 trials of mask ended at the red sphere"),
+            std::string::npos)
+      << o.out;
+  EXPECT_TRUE(fs::exists(folder.path("compare/report.html")));
+}
+
+TEST_F(CompareCommandTest, ShardsInOneFolderAreOneComparison) {
+  const Arguments settings = {"--hands", "3", "--strategies", "mask,a4"};
+  const auto with = [&](const Arguments& more) {
+    Arguments arguments = settings;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  EXPECT_EQ(call(with({"--out", "whole"})).exit_code, 0);
+  for (const char* const shard : {"2/2", "1/2"}) {
+    const test::Outcome o = call(with({"--out", "shards", "--shard", shard}));
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    EXPECT_TRUE(o.out.starts_with(std::string("shard ") + shard + " is complete in shards/"));
+  }
+  EXPECT_FALSE(fs::exists(folder.path("shards/report.html")));
+  EXPECT_EQ(call(with({"--out", "shards"})).exit_code, 0);
+  for (const char* const name : {"report.html", "comparison.json", "means.csv"}) {
+    EXPECT_EQ(content_of(folder.path(std::string("shards/") + name)),
+              content_of(folder.path(std::string("whole/") + name)))
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace palpate
