@@ -22,6 +22,7 @@ import compare_results  # noqa: E402
 import experiment_results  # noqa: E402
 import groove_figure  # noqa: E402
 import result_tables as tables  # noqa: E402
+import session_results  # noqa: E402
 import soak_results  # noqa: E402
 from result_tables import BadInput  # noqa: E402
 
@@ -149,12 +150,18 @@ def blocks_of(root, machines):
     experiment = experiment_results.read(root / "benchmarks/results/experiment")
     comparison = compare_results.read(root / "benchmarks/results/compare")
     soaks = soak_results.read(root / "benchmarks/results/soak")
+    view = session_results.read_view(root / "benchmarks/results/view/times.csv")
+    frames = session_results.read_frames(root / "benchmarks/results/view/frames.json")
+    recording = session_results.read_recording(root / "benchmarks/results/recording")
     newest = max(machines, key=lambda machine: machine.context["date"])
     return {
         README: {"a4": a4_block(objects), "headline": headline_block(newest),
                  "compare": compare_results.block(comparison),
                  "experiment": experiment_results.block(experiment)},
         RESULTS: {"objects": tables.objects_table(objects), "soaks": soak_results.block(soaks),
+                  "view": session_results.view_block(view),
+                  "frames": session_results.frames_block(frames),
+                  "recording": session_results.recording_block(recording),
                   **machine_blocks(machines, root)},
     }
 

@@ -334,12 +334,12 @@ void measure_times(const Scene& scene, const RunSetup& setup, int pointers,
   const std::vector<double> pointer_ms = pointer_times_ms(scene, setup, pointers);
   for (const double share : {0.5, 0.99}) {
     const std::string name = share == 0.5 ? "median" : "99 %";
-    lines.push_back({"bare round trip, " + name, at(bare_ms, share), "ms"});
-    lines.push_back({"pointer to state, " + name, at(pointer_ms, share), "ms"});
+    lines.push_back({"bare round trip: " + name, at(bare_ms, share), "ms"});
+    lines.push_back({"pointer to state: " + name, at(pointer_ms, share), "ms"});
   }
   const auto [plain_ns, more_ns] = TickPair(scene, setup).medians_ns();
-  lines.push_back({"tick without a viewer, median", plain_ns, "ns"});
-  lines.push_back({"tick with a viewer, more", more_ns, "ns"});
+  lines.push_back({"tick without a viewer: median", plain_ns, "ns"});
+  lines.push_back({"tick with a viewer: more", more_ns, "ns"});
 }
 
 int measure(const Options& options) {

@@ -1,5 +1,5 @@
 // Measures the frames of the page: the script of a frame without drawing, and the frames a second that
-// Chromium draws in software. The scene is a scan of about 50,000 triangles.
+// Chromium draws in software. The scene is a scan of about 60,000 triangles.
 //
 // run_in_node.py frames PROJECT BUILD FOLDER PALPATE WRITE_MESH
 
@@ -12,7 +12,7 @@ import {
   assertClean, kPrograms, openBrowser, openPage, resizeView, startProgram, until, untilDrawn, untilLive,
 } from "./chromium.mjs";
 
-const kCell_m = "0.0048"; // of the scan: about 50,000 triangles
+const kCell_m = "0.0038"; // of the scan: about 60,000 triangles
 const kSeconds = 20;
 const folder = process.env.PALPATE_FOLDER;
 const [palpate, writeMesh] = kPrograms;
