@@ -16,6 +16,8 @@ palpate_fuzz_packages=(clang libclang-rt-dev)  # only for the preset fuzz
 
 palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens the report
 
+palpate_format_packages=(python3-numpy python3-zstandard)  # for the test of FORMAT.md
+
 say() { printf 'palpate: %s\n' "$*" >&2; }
 
 # install_missing_packages [PACKAGE...]: installs the packages of Palpate and the named packages.

@@ -87,7 +87,7 @@ void HapticLoop::move_proxy_in_norm(const Vec3& goal_solver) {
 void HapticLoop::command_in_norm(const Vec3& force_N) {
   if (!std::isfinite(force_N.sum())) return refuse_force();
   const Vec3 force_device_N = R_device_scene_ * force_N;
-  view(record_.full_force_device_N) = full_force_along_normal(force_device_N, normal_device_);
+  view(record_.full_force_device_N) = R_device_scene_ * proxy_state_.pressed_part(force_N);
   view(record_.force_device_N) = actuation_.actuated_part(force_device_N);
 }
 

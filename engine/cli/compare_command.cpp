@@ -85,10 +85,15 @@ Error with_compare_options(Error error) {
   if (!error.path.empty()) return error;
   if (error.element.starts_with("/strategies")) {
     error.element = "--strategies";
-    if (error.hint.empty()) error.hint = "leave it out of --strategies";
+    error.hint = "leave it out of --strategies" + (error.hint.empty() ? "" : ", or " + error.hint);
   }
   for (const auto& [element, option] : kOptions) {
     if (error.element == element) error.element = option;
+  }
+  // A plan scales a scene by a key; the command has an option for it.
+  constexpr std::string_view kFit = "fit_size_m";
+  if (const std::size_t at = error.hint.find(kFit); at != std::string::npos) {
+    error.hint.replace(at, kFit.size(), "--fit");
   }
   constexpr std::string_view kDevice = "/device/";
   if (error.element.starts_with(kDevice)) {
@@ -245,14 +250,17 @@ CLI::App* CompareCommand::add_to(CLI::App& program) {
   settings.default_actuators = 1;
   CLI::App& app = *program.add_subcommand(
       "compare", "compare techniques for missing motors on the same simulated hands");
-  set_help(app, "  ./run.sh compare models/star.glb --hands 4 --strategies mask,a4\n",
-           "Each hand follows the contour of each scene once with each strategy, with the same "
-           "random numbers.\nDIR/report.html states which technique is best by which measure, and "
-           "where A4 loses;\ncomparison.json and four CSV files have all numbers. DIR/plan.json is "
-           "the plan, DIR/trials has the\ntrials. If the command is interrupted, the same command "
-           "computes the missing hands only.\n`anisotropic` tries six values of E on other hands, "
-           "and takes for each measure the best one.\nExit code 3: fewer than 90 % of a strategy's "
-           "trials ended at the red sphere.\n");
+  set_help(
+      app, "  ./run.sh compare models/star.glb --hands 4 --strategies mask,a4\n",
+      "Each hand follows the contour of each scene once with each strategy, with the same "
+      "random numbers.\nDIR/report.html states which technique is best by which measure, and "
+      "where A4 loses;\ncomparison.json and four CSV files have all numbers. DIR/plan.json is "
+      "the plan, DIR/trials has the\ntrials. Another comparison in DIR is replaced. If the command "
+      "is interrupted, the same command\ncomputes the missing hands only. `anisotropic` tries six "
+      "values of E on other "
+      "hands, and takes for\neach measure the best one.\nExit code 3: fewer than 90 % of a "
+      "strategy's "
+      "trials ended at the red sphere.\n");
   add_scenes(app);
   add_device(app, request_.options,
              "step of the device's encoders, m; required by the adaptive estimator");

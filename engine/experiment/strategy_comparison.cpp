@@ -105,20 +105,22 @@ std::size_t Comparer::tune(const ScenePlace& scene, const ComparedMeasure& measu
 void Comparer::rank(const ScenePlace& scene, const std::vector<std::size_t>& places,
                     MeasureComparison& comparison) const {
   std::vector<StrategyEntry>& entries = comparison.entries;
-  const auto is_ranked = [](const StrategyEntry& entry) {
-    return entry.role == StrategyRole::kTechnique && entry.mean.count > 0;
+  const auto is_ranked = [&](std::size_t i) {
+    return entries[i].role == StrategyRole::kTechnique && entries[i].mean.count > 0 &&
+           trials_.counts(places[i]).is_comparable();
   };
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (is_ranked(entries[i]) && (!best || entries[i].mean.mean < entries[*best].mean.mean)) {
+    if (is_ranked(i) && (!best || entries[i].mean.mean < entries[*best].mean.mean)) {
       best = i;
     }
   }
   for (std::size_t i = 0; best && i < entries.size(); ++i) {
-    if (!is_ranked(entries[i])) continue;
-    const bool is_apart =
-        i != *best &&
-        trials_.difference(places[i], places[*best], scene, *comparison.measure).excludes_zero();
+    if (!is_ranked(i)) continue;
+    // Pairs of the same hands decide. The means may be of other trials, where some are missing.
+    const MeanInterval behind =
+        trials_.difference(places[i], places[*best], scene, *comparison.measure);
+    const bool is_apart = i != *best && behind.excludes_zero() && behind.mean > 0.0;
     entries[i].standing = i == *best ? Standing::kBest
                           : is_apart ? Standing::kOther
                                      : Standing::kTied;
@@ -205,10 +207,17 @@ std::vector<std::string> FollowingComparison::incomplete() const {
 
 std::vector<A4Loss> FollowingComparison::a4_losses() const {
   std::vector<A4Loss> losses;
+  const std::vector<std::string> not_comparable = incomplete();
+  const auto is_out = [&](const std::string& strategy) {
+    return std::find(not_comparable.begin(), not_comparable.end(), strategy) !=
+           not_comparable.end();
+  };
+  if (is_out("a4")) return losses;
   for (const MeasureComparison& comparison : scenes.front().measures) {
     for (const StrategyEntry& entry : comparison.entries) {
       const auto& minus_a4 = entry.minus_a4;
       if (!minus_a4 || !minus_a4->excludes_zero() || entry.role == StrategyRole::kLevel) continue;
+      if (is_out(entry.strategy) || is_out(entry.tuned_to)) continue;
       if (is_better_difference(minus_a4->mean)) losses.push_back({comparison.measure, &entry});
     }
   }

@@ -19,8 +19,10 @@
 // Euclidean lag may grow, and nothing is promised about it; f is a projection and has no
 // certificate, as with `mask`.
 //
-// The record's full force is (F.N)N, N the contact normal, so that the missing force means the same
-// as for other strategies; where the normals of several planes cancel, it is F.
+// The record's full force is the part of F in the span of the normals of the pressed planes, so
+// that ghost and missing force mean the same as for the other strategies. On one plane that is
+// (F.N)N. In a corner, where N is the average of several normals, (F.N)N would be shorter than the
+// force that `mask` records for the same contact.
 //
 // Scope: a point proxy, no friction, no effect beside stiffness and damping, a scene that A4 does
 // not turn. check_settings() refuses settings and worlds beyond it.
@@ -42,12 +44,6 @@ inline AnisotropicNorm anisotropic_norm(double anisotropy, const ActuationModel&
     axes[i] = R_device_scene.transpose() * actuation.actuated_axis(static_cast<int>(i));
   }
   return AnisotropicNorm(anisotropy, std::span(axes).first(count));
-}
-
-// The full force of the record, device frame. normal_device: N, unit or zero.
-inline Vec3 full_force_along_normal(const Vec3& force_device_N, const Vec3& normal_device) {
-  if (normal_device.isZero(0.0)) return force_device_N;
-  return force_device_N.dot(normal_device) * normal_device;
 }
 
 }  // namespace palpate

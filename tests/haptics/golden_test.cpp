@@ -59,8 +59,8 @@ struct GoldenOfStrategy {
 
 constexpr GoldenOfStrategy kGoldenOfStrategies[] = {
     {"a4-anticipate", 0xf66b534df44dd604},
-    {"anisotropic:0.25", 0xf8f7710f66feee3b},
-    {"anisotropic:4", 0x1b4bccfcdde03f67},
+    {"anisotropic:0.25", 0x383a4e4884ef29ac},
+    {"anisotropic:4", 0x0e127343dbb4f2e4},
     {"cd", 0xf3e5ff273f3e4989},
 };
 

@@ -152,14 +152,14 @@ TEST(Strategies, OfAnisotropyOneEqualMaskButForTheFullForce) {
       TickRecord record = a.tick(p, kTick_s);
       const TickRecord& expected = b.tick(p, kTick_s);
       const Vec3 full_N = vec3(record.full_force_device_N);
+      const Vec3 mask_N = vec3(expected.full_force_device_N);
       std::memcpy(record.full_force_device_N, expected.full_force_device_N,
                   sizeof record.full_force_device_N);
       ASSERT_EQ(std::memcmp(&record, &expected, sizeof record), 0);
       contacts += record.contact;
-      // (F.N)N of a force F = |F| N, with the damper's part along N, too.
-      if (record.contact == 0) {
-        ASSERT_EQ(full_N, Vec3(Vec3::Zero()));
-      }
+      // The part in the span of the normals, also in edges and corners: some roundings of the force
+      // and of the normals' basis.
+      ASSERT_LE((full_N - mask_N).norm(), 0x1p-46 * mask_N.norm());
     }
   }
   EXPECT_GT(contacts, 5000);
