@@ -187,7 +187,7 @@ CLI::App* RecordingCommand::add_to(CLI::App& program) {
   app_ = program.add_subcommand("recording", "describe, check, repair or export recordings");
   app_->require_subcommand(1);
   const std::string record =
-      "  rm -f star.palpate; ./run.sh run models/star.glb --virtual --a4 on "
+      "  ./run.sh run models/star.glb --virtual --a4 on "
       "--record star.palpate\n";
   set_help(*app_, record + "  ./run.sh recording check star.palpate\n",
            "./run.sh recording COMMAND --help lists the options of a command.\n");
@@ -196,8 +196,7 @@ CLI::App* RecordingCommand::add_to(CLI::App& program) {
   add("check", "prove every checksum and list what is missing; exit code 1 if something is",
       (record + "  ./run.sh recording check star.palpate\n").c_str());
   add("repair", "copy each block that can be read; the original is not changed",
-      (record + "  rm -f copy.palpate; ./run.sh recording repair star.palpate --out copy.palpate\n")
-          .c_str())
+      (record + "  ./run.sh recording repair star.palpate --out copy.palpate\n").c_str())
       .add_option("--out", out_, "the new file")
       ->required();
   add("export", "write the trace that run would have written",
