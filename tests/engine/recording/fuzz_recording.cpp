@@ -202,7 +202,7 @@ void replay(Bytes bytes) {
   const auto reader = RecordingReader::open(base().path);
   if (!reader) return require_printable_line(reader.error());
   const auto session = session_of(base().meta);
-  require(session.has_value());
+  require(session.ok());
   ReplayOptions options;
   if (changes % 2 == 0) options.change = ReplayChange{};  // runs to the end
   const auto outcome = replay_recording(*reader, *session, base().scene, options);
