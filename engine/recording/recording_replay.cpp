@@ -40,7 +40,8 @@ class RecordedDevice final : public Device {
   void set_motors(std::span<const std::byte> bytes) {
     if (has_all_motors_) return;
     motor_count_ = bytes.size() / sizeof(MotorDescription);
-    std::memcpy(motors_.data(), bytes.data(), motor_count_ * sizeof(MotorDescription));
+    const auto target = std::as_writable_bytes(std::span(motors_).first(motor_count_));
+    std::copy_n(bytes.begin(), target.size(), target.begin());
   }
 
   const DeviceDescription& description() const noexcept override { return description_; }

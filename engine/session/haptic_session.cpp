@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstring>
 #include <span>
 #include <utility>
 
@@ -116,14 +115,12 @@ void HapticSession::take_rearm() noexcept {
 void HapticSession::record_motors(std::span<const MotorDescription> motors) noexcept {
   static_assert(sizeof(MotorDescription) == 5 * sizeof(double));
   motors = motors.first(std::min(motors.size(), recorded_motors_.size()));
-  if (motors.size() == recorded_motor_count_ &&
-      std::memcmp(motors.data(), recorded_motors_.data(), motors.size_bytes()) == 0) {
-    return;
-  }
+  const auto bytes = std::as_bytes(motors);
+  const auto recorded = std::as_bytes(std::span(recorded_motors_).first(recorded_motor_count_));
+  if (std::equal(bytes.begin(), bytes.end(), recorded.begin(), recorded.end())) return;
   std::copy(motors.begin(), motors.end(), recorded_motors_.begin());
   recorded_motor_count_ = motors.size();
-  parts_.sink->on_input(
-      {InputKind::kMotors, static_cast<std::uint32_t>(motors.size()), std::as_bytes(motors)});
+  parts_.sink->on_input({InputKind::kMotors, static_cast<std::uint32_t>(motors.size()), bytes});
 }
 
 void HapticSession::record_tick(const TickRecord& record, const DeviceSample& sample, double dt_s,
