@@ -24,7 +24,7 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       settings_(settings),
       god_object_(world, settings.god_object),
       coupling_(settings.coupling),
-      theoretical_rotation_(actuation, settings.a4.table1),
+      theoretical_rotation_(actuation, settings.a4.table1, settings.a4.align),
       has_bad_settings_(check_settings(world, settings).has_value()),
       world_extent_m_(world_extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0

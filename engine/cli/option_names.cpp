@@ -29,6 +29,8 @@ constexpr OptionName kOptionNames[] = {
     {"RunSettings", "radius_m", "--radius"},
     {"HapticSettings", "god_object.radius_m", "--radius"},
     {"RunSettings", "work_budget", "--work-budget"},
+    {"RunSettings", "align", "--align"},
+    {"RunSettings", "table1", "--table1"},
     {"RunSettings", "velocity_estimator", "--velocity-estimator"},
     {"RunSettings", "velocity_window_ticks", "--velocity-window"},
     {"RunSettings", "encoder_quantum_m", "--encoder-quantum"},

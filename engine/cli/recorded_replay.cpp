@@ -41,6 +41,11 @@ std::optional<Error> apply_request(const RecordedReplayRequest& request, Recorde
     if (auto error = apply_strategy(*request.strategy, session)) return error;
   }
   if (request.a4) haptics.a4.enabled = *request.a4;
+  if (request.align) {
+    const int actuators = session.setup.actuation.actuators();
+    if (auto error = check_align(*request.align, haptics.a4.table1, actuators)) return error;
+    haptics.a4.align = *request.align;
+  }
   if (request.force) haptics.force = *request.force;
   if (request.accuracy) haptics.god_object.accuracy = *request.accuracy;
   CouplingSettings& coupling = haptics.coupling;

@@ -19,14 +19,15 @@ struct RecordedReplayRequest {
   std::optional<Strategy> strategy = {};
   // Either ends the strategy of the recording, if it has one that is more than force and A4.
   std::optional<bool> a4 = {};
+  std::optional<Alignment> align = {};
   std::optional<ForceMode> force = {};
   std::optional<Accuracy> accuracy = {};
   std::optional<double> stiffness_N_per_m = {};
   std::optional<double> damping_Ns_per_m = {};
 
   bool asks_what_if() const {
-    return !materials.empty() || strategy || a4 || force || accuracy || stiffness_N_per_m ||
-           damping_Ns_per_m;
+    return !materials.empty() || strategy || a4 || align || force || accuracy ||
+           stiffness_N_per_m || damping_Ns_per_m;
   }
 };
 

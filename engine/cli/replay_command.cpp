@@ -58,8 +58,8 @@ CLI::App* ReplayCommand::add_to(CLI::App& program) {
            "The first line of the example records the path that the second one plays.\n\n"
            "`replay FILE`, with a file that --record has written in place of the scene, computes "
            "the same session\nagain. Exit code 0: every bit is the same; 1: a bit differs, or "
-           "ticks are missing. With --material,\n--strategy, --a4, --force, --accuracy, "
-           "--stiffness or --damping it shows what the same path gives\nunder these settings.\n");
+           "ticks are missing. With --material,\n--strategy, --a4, --align, --force, --accuracy, "
+           "--stiffness or --damping it shows what the same path\ngives under these settings.\n");
   app.add_option(
       "--trajectory", trajectory_,
       "device positions, one \"[t] x y z\" per line, in metres, or a trace of run or replay; "
@@ -83,9 +83,9 @@ CLI::App* ReplayCommand::add_to(CLI::App& program) {
 }
 
 // The options that a recording can be replayed with.
-constexpr std::array kRecordingOptions = {"SCENE",     "--scene", "--material", "--strategy",
-                                          "--a4",      "--force", "--accuracy", "--stiffness",
-                                          "--damping", "--json"};
+constexpr std::array kRecordingOptions = {"SCENE",       "--scene",   "--material", "--strategy",
+                                          "--a4",        "--align",   "--force",    "--accuracy",
+                                          "--stiffness", "--damping", "--json"};
 
 int ReplayCommand::replay_recording() {
   for (const CLI::Option* option : app_->get_options()) {
@@ -95,8 +95,8 @@ int ReplayCommand::replay_recording() {
     if (option->count() > 0 && !is_known) {
       return refuse(invalid_argument(
           name,
-          "is not for a recording; expected --material, --strategy, --a4, --force, --accuracy, "
-          "--stiffness or --damping"));
+          "is not for a recording; expected --material, --strategy, --a4, --align, --force, "
+          "--accuracy, --stiffness or --damping"));
     }
   }
   const auto is_given = [this](const char* name) { return app_->get_option(name)->count() > 0; };
@@ -108,6 +108,7 @@ int ReplayCommand::replay_recording() {
   const RunSettings& settings = options_.settings;
   request.strategy = settings.strategy;
   if (is_given("--a4")) request.a4 = settings.a4;
+  if (is_given("--align")) request.align = settings.align;
   if (is_given("--force")) request.force = settings.force;
   if (is_given("--accuracy")) request.accuracy = settings.accuracy;
   if (is_given("--stiffness")) request.stiffness_N_per_m = settings.stiffness_N_per_m;

@@ -134,6 +134,12 @@ void add_rotation(CLI::App& app, RunSettings& settings) {
       {{"exact", StepRule::kExact}, {"paper", StepRule::kSpeedByDt}}, "exact",
       "elementary rotation: exact solution of the speed profile, or the paper's S dt")
       ->group(kA4Group);
+  add_choice<Alignment>(
+      app, "--align", settings.align,
+      {{"nearest", Alignment::kNearest}, {"forward", Alignment::kForward}}, "nearest",
+      "with one motor: turn the normal to the nearer end of its line, or forward to the first "
+      "actuated axis, by up to 180 deg")
+      ->group(kA4Group);
 }
 
 CLI::Option* add_cpu(CLI::App& app, std::optional<std::uint64_t>& cpu) {

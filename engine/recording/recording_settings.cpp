@@ -199,6 +199,19 @@ class MetaReader {
   std::optional<Error> error_;
 };
 
+// The key exists only for kForward, so that other recordings have the keys that they had before.
+constexpr const char* kAlignKey = "a4.align";
+
+void write_align(HapticSettings& settings, MetaWriter& writer) {
+  if (settings.a4.align == Alignment::kNearest) return;
+  writer(kAlignKey, Choice<Alignment>{settings.a4.align, Alignment::kForward});
+}
+
+void read_align(MetaReader& reader, HapticSettings& settings) {
+  if (!reader.has(kAlignKey)) return;
+  reader(kAlignKey, Choice<Alignment>{settings.a4.align, Alignment::kForward});
+}
+
 void write_strategy(HapticSettings& settings, MetaWriter& writer) {
   if (!settings.strategy) return;
   writer(kStrategyKey, name_of(*settings.strategy));
@@ -348,6 +361,7 @@ Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup) {
   meta["effects"] = effects_text();
   RecordedSetup copy = setup;
   visit_setup(copy, writer);
+  write_align(copy.haptics, writer);
   write_strategy(copy.haptics, writer);
   std::error_code failed;
   meta["scene.place"] = fs::absolute(setup.scene_path, failed).string();
@@ -381,6 +395,7 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
   check_table("columns", recorded_columns_json(), reader);
   check_table("effects", effects_text(), reader);
   visit_setup(session.setup, reader);
+  read_align(reader, session.setup.haptics);
   read_strategy(reader, session.setup.haptics);
   reader("scene.place", session.scene_place);
   std::string overrides;

@@ -103,11 +103,30 @@ DeviceDescription device_of(const RunSettings& settings, const ActuationModel& a
 
 }  // namespace
 
+std::optional<Error> check_align(Alignment align, Table1Form table1, int actuators) {
+  if (align == Alignment::kNearest) return std::nullopt;
+  if (actuators != 1) {
+    return invalid_argument("align",
+                            "is forward, which is for one motor, but the device has " +
+                                std::to_string(actuators) + "; expected nearest",
+                            "use one motor, or leave the setting out");
+  }
+  if (table1 == Table1Form::kCorrected) return std::nullopt;
+  return invalid_argument(
+      "align",
+      "is forward together with `RunSettings::table1` printed, which has a rule "
+      "of its own; expected one of them",
+      "leave one of the two out");
+}
+
 Result<RunSetup> make_setup(const RunSettings& settings) {
   if (auto error = check_numbers(settings)) return *error;
   if (auto error = check_max_force(settings)) return *error;
   const auto actuation = make_actuation(settings);
   if (!actuation) return actuation.error();
+  if (auto error = check_align(settings.align, settings.table1, actuation->actuators())) {
+    return *error;
+  }
   if (settings.work_budget && *settings.work_budget < 1) {
     return invalid_argument("work_budget", "is " + std::to_string(*settings.work_budget) +
                                                "; expected at least 1 unit of work");
@@ -128,6 +147,7 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   setup.haptics.a4.enabled = settings.a4;
   if (settings.strategy) set_strategy(*settings.strategy, setup.haptics);
   setup.haptics.a4.table1 = settings.table1;
+  setup.haptics.a4.align = settings.align;
   setup.haptics.a4.step = settings.a4_step;
   setup.haptics.plane_height_m = settings.plane_height_m.value_or(0.0);
   setup.haptics.initial_pose = settings.place;

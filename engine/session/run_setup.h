@@ -29,6 +29,9 @@ struct RunSettings {
   // Replaces `force` and `a4`. No value: the two count.
   std::optional<Strategy> strategy = {};
   Table1Form table1 = Table1Form::kCorrected;
+  // kForward is for one actuator and the corrected Table 1; make_setup() refuses other
+  // combinations.
+  Alignment align = Alignment::kNearest;
   StepRule a4_step = StepRule::kExact;
   Accuracy accuracy;
   // See haptics/proxy/work.h. No value: the work budget of `accuracy`.
@@ -62,6 +65,10 @@ struct RunSetup {
 // Checks that all settings are finite and within their ranges, and creates the setup. An error
 // names the field of RunSettings.
 Result<RunSetup> make_setup(const RunSettings& settings);
+
+// An error names the field of RunSettings: kForward is refused unless there is one actuator, and
+// with Table 1 as printed.
+std::optional<Error> check_align(Alignment align, Table1Form table1, int actuators);
 
 // Gives a device a motor along every sensed axis, as the simulated hand's device has under
 // ForceMode::kFull.

@@ -17,8 +17,13 @@ namespace palpate {
 // kCorrected corrects all three; kAsPrinted keeps them, for comparison.
 enum class Table1Form : std::uint8_t { kCorrected, kAsPrinted };
 
-// A rotation of the scene in the device frame: unit axis, angle in [0, pi] rad. Angle 0 means no
-// rotation.
+// The end of a single motor's line to which the normal turns. The corrected form turns to the
+// nearer end, by up to 90 deg, where Figure 3 ends. Table 1's acos(N.A1) reads as a turn to +A1, by
+// up to 180 deg, which is kForward. With several actuators, the two are the same.
+enum class Alignment : std::uint8_t { kNearest, kForward };
+
+// A rotation of the scene in the device frame: unit axis, angle from 0 to pi plus the hysteresis,
+// rad. Angle 0 means no rotation.
 struct AxisAngle {
   Vec3 axis_device = Vec3::UnitZ();
   double angle_rad = 0.0;
@@ -33,14 +38,20 @@ struct AxisAngle {
 //   One actuator: T = s A1. The sign s changes only if N.(s A1) < -sin(kHysteresis).
 //   Two actuators: T keeps its value while |projection| < sin(kHysteresis).
 //   New contact: s = +1 unless N.A1 < -sin(kHysteresis); T = A1 if |projection| < sin(kHysteresis).
+//   One actuator and kForward: T = A1. Near -A1, two ways round are equally long. While N is at
+//   most kHysteresis from -A1, the scene turns on in the direction in which it turned; a new
+//   contact there turns about +A3, or about another fixed axis if the motor pushes along A3. The
+//   angle is therefore at most pi + kHysteresis.
 //
 // Thread-safety: one thread owns an object.
 class TheoreticalRotation {
  public:
   static constexpr double kHysteresisDeg = 2.0;
 
-  TheoreticalRotation(const ActuationModel& actuation, Table1Form form)
-      : actuation_(actuation), form_(form) {}
+  // alignment: counts for the corrected form and one actuator.
+  TheoreticalRotation(const ActuationModel& actuation, Table1Form form,
+                      Alignment alignment = Alignment::kNearest)
+      : actuation_(actuation), form_(form), alignment_(alignment) {}
 
   // Returns the theoretical rotation; its angle is 0 if no axis or all sensed axes are actuated.
   // normal_device: the contact normal, unit, or zero if there is none; with 2 sensors it must lie
@@ -58,12 +69,15 @@ class TheoreticalRotation {
 
  private:
   AxisAngle corrected(const Vec3& normal_device) noexcept;
+  AxisAngle forward(const Vec3& normal_device) noexcept;
   AxisAngle as_printed(const Vec3& normal_device) const noexcept;
 
   ActuationModel actuation_;
   Table1Form form_;
+  Alignment alignment_;
   bool has_target_ = false;
   Vec3 target_device_ = Vec3::UnitX();  // T
+  Vec3 axis_device_ = Vec3::UnitZ();    // of the last turn; for kForward
 };
 
 }  // namespace palpate

@@ -48,7 +48,7 @@ class A4Anticipation {
 
   A4Anticipation(const ActuationModel& actuation, const A4Settings& a4,
                  const AnticipationSettings& settings)
-      : settings_(settings), a4_(a4), theoretical_(actuation, a4.table1) {}
+      : settings_(settings), a4_(a4), theoretical_(actuation, a4.table1, a4.align) {}
 
   // The rotation of the scene in this tick; its angle is 0 if the tick does not turn. A tick whose
   // search has spent the budget does not turn, and a turn goes on in the next one.

@@ -24,6 +24,7 @@ enum class ForceMode : std::uint8_t {
 struct A4Settings {
   bool enabled = true;
   Table1Form table1 = Table1Form::kCorrected;
+  Alignment align = Alignment::kNearest;
   RotationProfile profile;
   StepRule step = StepRule::kExact;
 };

@@ -292,6 +292,172 @@ INSTANTIATE_TEST_SUITE_P(Rows, OneActuator,
                            return "Case" + std::to_string(static_cast<int>(row.param));
                          });
 
+// kForward: one actuator, normals at angles from -180 to 180 deg about A3 or any other axis.
+class Forward : public testing::TestWithParam<ActuationCase> {};
+
+TheoreticalRotation forward_rotation(const ActuationModel& model) {
+  return {model, Table1Form::kCorrected, Alignment::kForward};
+}
+
+TEST_P(Forward, TurnsEveryNormalToThePositiveEndByTheSmallerAngle) {
+  Random random(3420);
+  for (int i = 0; i < 100000; ++i) {
+    const Row row = random_row(random, GetParam());
+    const double angle_rad = radians(random.uniform(-180.0 + kBandDeg, 180.0 - kBandDeg));
+    TheoreticalRotation rotation = forward_rotation(row.model);
+    const Vec3 normal = normal_at(row, angle_rad);
+    const AxisAngle turn = rotation.update(normal);
+    ASSERT_NEAR(turn.angle_rad, std::abs(angle_rad), 16 * kEpsilon);
+    ASSERT_LE((turned(turn, normal) - row.along).norm(), 16 * kEpsilon);
+  }
+}
+
+// The signed turn of a normal at this angle, deg: positive from `along` to `across`.
+double signed_turn_deg(TheoreticalRotation& rotation, const Row& row, double angle_deg) {
+  const AxisAngle turn = rotation.update(normal_at(row, radians(angle_deg)));
+  return degrees(turn.angle_rad) *
+         (turn.axis_device.dot(row.along.cross(row.across)) > 0.0 ? 1.0 : -1.0);
+}
+
+TEST_P(Forward, UndoesAnAngleOfEitherSignTheWayBack) {
+  Random random(3421);
+  for (int i = 0; i < 1000; ++i) {
+    const Row row = random_row(random, GetParam());
+    TheoreticalRotation rotation = forward_rotation(row.model);
+    ASSERT_NEAR(signed_turn_deg(rotation, row, 144.0), -144.0, 1e-12);
+    rotation.reset();
+    ASSERT_NEAR(signed_turn_deg(rotation, row, -144.0), 144.0, 1e-12);
+  }
+}
+
+// Beyond 180 deg the turn goes on in its direction, up to the hysteresis.
+TEST_P(Forward, KeepsItsDirectionWithinTheHysteresis) {
+  Random random(3422);
+  for (int i = 0; i < 100; ++i) {
+    const Row row = random_row(random, GetParam());
+    for (const double side : {1.0, -1.0}) {
+      TheoreticalRotation rotation = forward_rotation(row.model);
+      double last = signed_turn_deg(rotation, row, side * 170.0);
+      for (int k = 0; k < 2000; ++k) {  // hundredths of a degree; halves avoid the limit
+        const double angle_deg = 170.005 + 0.01 * k;
+        const double turn = signed_turn_deg(rotation, row, side * angle_deg);
+        const bool is_kept = angle_deg < 180.0 + kBandDeg;
+        ASSERT_NEAR(turn, side * (is_kept ? -angle_deg : 360.0 - angle_deg), 1e-11) << angle_deg;
+        last = turn;
+      }
+      ASSERT_GT(side * last, 0.0);
+      // Back again, the new direction is kept as far.
+      for (int k = 2000; k-- > 0;) {
+        const double angle_deg = 170.005 + 0.01 * k;
+        const double turn = signed_turn_deg(rotation, row, side * angle_deg);
+        const bool is_kept = angle_deg > 180.0 - kBandDeg;
+        ASSERT_NEAR(turn, side * (is_kept ? 360.0 - angle_deg : -angle_deg), 1e-11) << angle_deg;
+      }
+    }
+  }
+}
+
+// A hand that trembles about the back of the motor's line turns in one direction: any new contact
+// there begins with the same one.
+TEST_P(Forward, HasOneDirectionNearTheBack) {
+  Random random(3423);
+  for (int i = 0; i < 200; ++i) {
+    const Row row = random_row(random, GetParam());
+    TheoreticalRotation rotation = forward_rotation(row.model);
+    double first = 0.0;
+    for (int k = 0; k < 500; ++k) {
+      if (random.index(3) == 0) rotation.reset();
+      const double off_deg = random.uniform(-1.0, 1.0);
+      const double turn = signed_turn_deg(rotation, row, 180.0 + off_deg);
+      if (k == 0) first = turn;
+      ASSERT_GT(turn * first, 0.0) << k << ", " << off_deg;
+      ASSERT_NEAR(std::abs(turn), 180.0, 1.0 + 1e-11);
+      rotation.update(-row.model.actuated_axis(0));  // exactly at the back
+    }
+  }
+}
+
+TEST_P(Forward, ExactlyAtTheBackTurnsByHalfATurn) {
+  Random random(3424);
+  for (int i = 0; i < 1000; ++i) {
+    const Row row = random_row(random, GetParam());
+    const Vec3& a1 = row.model.actuated_axis(0);
+    TheoreticalRotation rotation = forward_rotation(row.model);
+    const AxisAngle turn = rotation.update(-a1);
+    ASSERT_NEAR(turn.angle_rad, std::numbers::pi, 4 * kEpsilon);
+    ASSERT_NEAR(turn.axis_device.norm(), 1.0, 4 * kEpsilon);
+    ASSERT_NEAR(turn.axis_device.dot(a1), 0.0, 8 * kEpsilon / std::sin(radians(kBandDeg)));
+    ASSERT_LE(rotation.update(a1).angle_rad, 4 * kEpsilon);
+  }
+}
+
+TEST_P(Forward, GivesFiniteNumbersForEveryNormal) {
+  Random random(3425);
+  const double tiny = std::numeric_limits<double>::denorm_min();
+  for (int i = 0; i < 5000; ++i) {
+    const Row row = random_row(random, GetParam());
+    const std::vector<Vec3> normals = {row.along,
+                                       row.across,
+                                       row.model.actuated_axis(0),
+                                       Vec3::Zero(),
+                                       row.along + tiny * row.across,
+                                       row.along + 1e-17 * row.across,
+                                       normal_at(row, random.uniform(-4.0, 4.0))};
+    TheoreticalRotation rotation = forward_rotation(row.model);
+    for (int k = 0; k < 20; ++k) {
+      const double sign = random.index(2) == 0 ? 1.0 : -1.0;
+      const AxisAngle turn = rotation.update(sign * normals[random.index(normals.size())]);
+      ASSERT_LE(std::abs(turn.axis_device.norm() - 1.0), 4 * kEpsilon);
+      ASSERT_GE(turn.angle_rad, 0.0);
+      ASSERT_LE(turn.angle_rad, radians(180.0 + kBandDeg) + 4 * kEpsilon);
+      if (random.index(5) == 0) rotation.reset();
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rows, Forward,
+                         testing::Values(ActuationCase::kCase1, ActuationCase::kCase2),
+                         [](const auto& row) {
+                           return "Case" + std::to_string(static_cast<int>(row.param));
+                         });
+
+// The scene turns about A3 by Figure 3 until a normal at 144 deg is aligned, which takes
+// (144 - 30) / 90 s + 6/17 ln 18 s.
+TEST(ForwardTurn, Undoes144DegInTheTimeOfFigure3) {
+  const double expected_s = (144.0 - 30.0) / 90.0 + 6.0 / 17.0 * std::log(18.0);
+  EXPECT_NEAR(expected_s, 2.286798, 5e-7);
+  EXPECT_NEAR(alignment_time_s(RotationProfile{}, radians(144.0)), expected_s, 1e-14);
+  const ActuationModel model = *ActuationModel::from_counts(2, 1);
+  for (const double side : {1.0, -1.0}) {
+    for (const double rate_Hz : {1000.0, 60.0}) {
+      TheoreticalRotation rotation = forward_rotation(model);
+      const double start_rad = side * radians(144.0);
+      const Vec3 normal_scene(std::cos(start_rad), std::sin(start_rad), 0.0);
+      ScenePose T_device_scene;
+      double turned_rad = 0.0;
+      const int whole_ticks = static_cast<int>(expected_s * rate_Hz);
+      for (int tick = 1; tick <= whole_ticks + 1; ++tick) {
+        const AxisAngle turn = rotation.update(T_device_scene.direction(normal_scene));
+        const double step_rad = elementary_rotation_rad(RotationProfile{}, StepRule::kExact,
+                                                        turn.angle_rad, 1.0 / rate_Hz);
+        ASSERT_EQ(turn.axis_device.z() < 0.0, side > 0.0);
+        T_device_scene =
+            turned_about(T_device_scene, Vec3::Zero(), Vec3::Zero(), {turn.axis_device, step_rad});
+        turned_rad += step_rad;
+        // What remains at this time, by the closed form of Figure 3.
+        const double left_s = expected_s - tick / rate_Hz;
+        const double below_s = 6.0 / 17.0 * std::log(18.0);
+        const double left_deg = left_s <= 0.0      ? 0.0
+                                : left_s > below_s ? 30.0 + 90.0 * (left_s - below_s)
+                                                   : 30.0 / 17.0 * std::expm1(17.0 / 6.0 * left_s);
+        const Vec3 n = T_device_scene.direction(normal_scene);
+        ASSERT_NEAR(std::atan2(n.y(), n.x()), side * radians(left_deg), 1e-12) << tick;
+      }
+      EXPECT_NEAR(turned_rad, radians(144.0), 1e-12);
+    }
+  }
+}
+
 // The direction with which a normal is aligned, computed from the rotation.
 Vec3 target(TheoreticalRotation& rotation, const Vec3& normal) {
   return turned(rotation.update(normal), normal);
