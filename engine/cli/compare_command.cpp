@@ -180,7 +180,7 @@ int run_compare(const CompareRequest& request) {
     ProgressBar bar("compare");
     outcome = run_comparison(
         *settings, run, {find_trial_way, run_trial},
-        [&](const ExperimentProgress& progress) { bar.show(progress.share); }, &signal_flag());
+        [&](const RunProgress& progress) { bar.show(progress.share); }, &signal_flag());
   }
   if (!outcome) return refuse(with_compare_options(outcome.error()));
   if (!outcome->runs.back().not_done.empty()) return report_stopped_comparison(*outcome, request);

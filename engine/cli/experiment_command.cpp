@@ -18,6 +18,7 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/shard_option.h"
+#include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/experiment_merge.h"
 #include "engine/experiment/experiment_report.h"
 #include "engine/experiment/experiment_run.h"
@@ -119,7 +120,7 @@ int run_plan(const ExperimentRunRequest& request) {
   Result<ExperimentRunOutcome> outcome = ExperimentRunOutcome{};
   {
     ProgressBar bar("experiment");
-    const auto show = [&](const ExperimentProgress& progress) {
+    const auto show = [&](const RunProgress& progress) {
       bar.show(progress.time_left_s
                    ? "experiment, " + duration_text(*progress.time_left_s) + " left"
                    : "experiment",
@@ -196,11 +197,24 @@ struct ExperimentMergeRequest {
   std::string out_dir = "experiment";
 };
 
+// Joins the parts of any kind of run, and returns what the user reads.
+Result<std::string> merge_folders(const std::vector<std::string>& folders, const std::string& out) {
+  const auto kind = kind_of_run_in(folders.front());
+  if (!kind) return kind.error();
+  switch (*kind) {
+    case RunKind::kExperiment:
+      break;
+  }
+  const auto merged = merge_experiment(folders, out);
+  if (!merged) return merged.error();
+  return merged_text(*merged, out);
+}
+
 int merge(const ExperimentMergeRequest& request) {
   if (const auto error = check_output()) return refuse(*error);
-  const auto merged = merge_experiment(request.folders, request.out_dir);
-  if (!merged) return refuse(merged.error());
-  std::cout << merged_text(*merged, request.out_dir);
+  const auto text = merge_folders(request.folders, request.out_dir);
+  if (!text) return refuse(text.error());
+  std::cout << *text;
   return finish_output();
 }
 

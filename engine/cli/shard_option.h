@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/experiment/experiment_run.h"
+#include "engine/experiment/dealt_run.h"
 #include "geometry/base/result.h"
 
 namespace palpate {

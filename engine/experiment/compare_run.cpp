@@ -67,10 +67,11 @@ std::string compare_plan_path(const std::string& folder, CompareHands hands) {
   return (fs::path(folder) / name).string();
 }
 
-Result<CompareOutcome> run_comparison(
-    const CompareSettings& settings, const ExperimentRunSettings& run,
-    const TrialFunctions& functions, const std::function<void(const ExperimentProgress&)>& progress,
-    const StopFlag* stop) {
+Result<CompareOutcome> run_comparison(const CompareSettings& settings,
+                                      const ExperimentRunSettings& run,
+                                      const TrialFunctions& functions,
+                                      const std::function<void(const RunProgress&)>& progress,
+                                      const StopFlag* stop) {
   const std::string& folder = run.out_folder;
   std::vector<ExperimentPlan> plans;
   for (const CompareHands hands : hands_of(settings)) {
@@ -85,7 +86,7 @@ Result<CompareOutcome> run_comparison(
     ExperimentRunSettings one = run;
     one.out_folder = compare_trials_folder(folder, hands);
     const double share = share_of_trials(plans, number);
-    const auto show = [&](const ExperimentProgress& of_run) {
+    const auto show = [&](const RunProgress& of_run) {
       if (progress) progress({share_before + share * of_run.share, std::nullopt});
     };
     auto done = run_experiment(plans[number], one, functions, show, stop);

@@ -31,10 +31,10 @@ struct CompareOutcome {
 // out_folder is the folder of the comparison. Trials that exist there from an earlier run of the
 // same plan are kept; so shards in one folder, followed by a call without a shard, give the same
 // bytes as one call.
-Result<CompareOutcome> run_comparison(
-    const CompareSettings& settings, const ExperimentRunSettings& run,
-    const TrialFunctions& functions,
-    const std::function<void(const ExperimentProgress&)>& progress = {},
-    const StopFlag* stop = nullptr);
+Result<CompareOutcome> run_comparison(const CompareSettings& settings,
+                                      const ExperimentRunSettings& run,
+                                      const TrialFunctions& functions,
+                                      const std::function<void(const RunProgress&)>& progress = {},
+                                      const StopFlag* stop = nullptr);
 
 }  // namespace palpate

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/trial_row.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
 
-// The names of the results in the folder of an experiment.
+// The names of the results in the folder of an experiment, besides kRunFile.
 inline constexpr const char* kTrialsFile = "trials.csv";
 inline constexpr const char* kColumnsFile = "columns.csv";
-inline constexpr const char* kRunFile = "run.json";
 
 struct MergedExperiment {
   int participants = 0;
@@ -27,10 +27,7 @@ struct MergedExperiment {
 // into out_folder, together or not at all. The rows are in the order of participants and, for each
 // participant, in the order in which the trials ran. out_folder may be one of these folders.
 //
-// Errors, which name the file: a folder without parts; folders of different runs, with the entry
-// that differs (find_difference); a part with wrong hashes; a participant whose parts in two
-// folders differ, with the line and the column; participants without a part; a result that cannot
-// be written.
+// Errors, which name the file: those of join_parts(), and a result that cannot be written.
 Result<MergedExperiment> merge_experiment(const std::vector<std::string>& folders,
                                           const std::string& out_folder);
 

@@ -117,16 +117,15 @@ bool is_trace_name(std::string_view file_name) {
   return file_name.starts_with("block-") && file_name.ends_with(".csv");
 }
 
-Result<std::optional<ParticipantRun>> run_participant(const ExperimentPlan& plan,
-                                                      const std::vector<ExperimentScene>& scenes,
-                                                      const TrialFunctions& functions,
-                                                      int participant,
-                                                      const std::string& traces_folder,
-                                                      const std::function<bool()>& after_trial) {
+Result<std::optional<UnitRun>> run_participant(const ExperimentPlan& plan,
+                                               const std::vector<ExperimentScene>& scenes,
+                                               const TrialFunctions& functions, int participant,
+                                               const std::string& traces_folder,
+                                               const std::function<bool()>& after_trial) {
   const OperatorParameters person = draw_person(plan.person, plan.seed, participant);
   CsvLines lines("");
   lines.clear();
-  ParticipantRun run;
+  UnitRun run;
   for (const PlannedTrial& trial : planned_trials(plan, participant)) {
     const std::string trace_path =
         traces_folder.empty()
@@ -138,10 +137,10 @@ Result<std::optional<ParticipantRun>> run_participant(const ExperimentPlan& plan
     add_row(lines, row_of(plan, participant, trial, *outcome));
     run.ticks += outcome->ticks;
     run.loop_ns += outcome->loop_ns;
-    if (!after_trial()) return std::optional<ParticipantRun>();
+    if (!after_trial()) return std::optional<UnitRun>();
   }
   run.rows = lines.text();
-  return std::optional<ParticipantRun>(std::move(run));
+  return std::optional<UnitRun>(std::move(run));
 }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/experiment/dealt_run.h"
 #include "engine/experiment/experiment_scene.h"
 #include "engine/experiment/plan.h"
 #include "engine/experiment/trial_row.h"
@@ -34,22 +35,15 @@ std::string trace_name(const ExperimentPlan& plan, int participant, const Planne
 // Whether a file of this name, without its folder, may be a trace.
 bool is_trace_name(std::string_view file_name);
 
-struct ParticipantRun {
-  std::string rows;          // lines of trials.csv
-  std::uint64_t ticks = 0;   // of all trials
-  std::int64_t loop_ns = 0;  // computing time of the haptic loop in these ticks
-};
-
-// Runs the trials. The result depends on plan, scenes and participant only. traces_folder: the
-// folder for the traces of the trials (TraceWriter); missing folders are created; empty: no traces.
-// after_trial: called after each trial; if it returns false, the run ends without a result.
-// Thread-safe for different participants. Errors: those of TrialFunctions::run, and errors of
-// writing a trace.
-Result<std::optional<ParticipantRun>> run_participant(const ExperimentPlan& plan,
-                                                      const std::vector<ExperimentScene>& scenes,
-                                                      const TrialFunctions& functions,
-                                                      int participant,
-                                                      const std::string& traces_folder,
-                                                      const std::function<bool()>& after_trial);
+// Runs the trials; the rows are lines of trials.csv. The result depends on plan, scenes and
+// participant only. traces_folder: the folder for the traces of the trials (TraceWriter); missing
+// folders are created; empty: no traces. after_trial: called after each trial; if it returns false,
+// the run ends without a result. Thread-safe for different participants. Errors: those of
+// TrialFunctions::run, and errors of writing a trace.
+Result<std::optional<UnitRun>> run_participant(const ExperimentPlan& plan,
+                                               const std::vector<ExperimentScene>& scenes,
+                                               const TrialFunctions& functions, int participant,
+                                               const std::string& traces_folder,
+                                               const std::function<bool()>& after_trial);
 
 }  // namespace palpate

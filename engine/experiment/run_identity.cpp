@@ -15,6 +15,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kMostVersion = 1'000'000;
+constexpr int kMostUnits = kMostParticipants;
 
 OrderedJson json_of(const RunIdentity& identity) {
   OrderedJson scenes = OrderedJson::object();
@@ -26,13 +27,14 @@ OrderedJson json_of(const RunIdentity& identity) {
                       {"version", identity.version},
                       {"plan", {{"name", identity.plan_name}, {"hash", hash_text(identity.plan)}}},
                       {"seed", identity.seed},
-                      {"participants", identity.participants},
+                      {words_of(identity.kind).nouns, identity.units},
                       {"operator",
                        {{"name", identity.operator_name},
                         {"version", identity.operator_version},
                         {"hash", hash_text(identity.operator_file)}}},
                       {"scenes", scenes}};
   if (!identity.strategies.empty()) json["strategies"] = identity.strategies;
+  if (identity.kind != RunKind::kExperiment) json["kind"] = words_of(identity.kind).name;
   return json;
 }
 
@@ -44,6 +46,19 @@ void read_hash(ObjectReader& reader, const char* key, std::uint64_t& hash) {
   const auto [stop, failed] = std::from_chars(text.data(), end, hash, 16);
   if (failed == std::errc() && stop == end && hash_text(hash) == text) return;
   reader.fail(unexpected_value(reader.element_of(key), text, "16 hexadecimal digits"));
+}
+
+void read_kind(ObjectReader& reader, RunKind& kind) {
+  const nlohmann::json* const found = reader.find("kind", ObjectReader::Key::kOptional);
+  if (!found) return;
+  std::vector<std::string_view> names;
+  for (std::size_t i = 1; i < kRunKinds.size(); ++i) {
+    names.push_back(kRunKinds[i].name);
+    if (*found == kRunKinds[i].name) kind = static_cast<RunKind>(i);
+  }
+  if (kind != RunKind::kExperiment) return;
+  reader.fail(unexpected_value(reader.element_of("kind"), *found,
+                               "the name of a kind of run: " + joined_words(names)));
 }
 
 template <typename Read>
@@ -80,11 +95,16 @@ std::vector<std::pair<std::string, std::string>> flat(const RunIdentity& identit
 std::uint64_t RunIdentity::hash() const {
   KeyHash key;
   key.add("run").add(version).add(plan_name).add(plan).add(seed);
-  key.add(static_cast<std::uint64_t>(participants)).add(operator_name);
+  key.add(static_cast<std::uint64_t>(units)).add(operator_name);
   key.add(static_cast<std::uint64_t>(operator_version)).add(operator_file);
   for (const SceneHashes& scene : scenes) key.add(scene.name).add(scene.file).add(scene.geometry);
   for (const std::string& strategy : strategies) key.add("strategy").add(strategy);
+  if (kind != RunKind::kExperiment) key.add("kind").add(words_of(kind).name);
   return key.value();
+}
+
+DealtUnits RunIdentity::dealt_units(std::string columns) const {
+  return {std::string(words_of(kind).noun), units, hash(), std::move(columns)};
 }
 
 std::string RunIdentity::json() const {
@@ -97,7 +117,7 @@ RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<Experiment
   identity.plan_name = plan.name;
   identity.plan = plan.hash;
   identity.seed = plan.seed;
-  identity.participants = plan.participants;
+  identity.units = plan.participants;
   identity.operator_name = plan.person.name;
   identity.operator_version = plan.person.version;
   identity.operator_file = plan.person.hash;
@@ -114,6 +134,7 @@ Result<RunIdentity> parse_identity(const std::string& text, const std::string& p
   RunIdentity identity;
   std::uint64_t stated = 0;
   ObjectReader reader(*json, "");
+  read_kind(reader, identity.kind);
   read_hash(reader, "run", stated);
   reader.text("version", identity.version);
   read_part(reader, "plan", [&](ObjectReader& plan) {
@@ -121,7 +142,7 @@ Result<RunIdentity> parse_identity(const std::string& text, const std::string& p
     read_hash(plan, "hash", identity.plan);
   });
   reader.whole("seed", identity.seed, 0, (std::uint64_t{1} << 53) - 1);
-  reader.whole("participants", identity.participants, 1, kMostParticipants);
+  reader.whole(words_of(identity.kind).nouns, identity.units, 1, kMostUnits);
   read_part(reader, "operator", [&](ObjectReader& person) {
     person.text("name", identity.operator_name);
     person.whole("version", identity.operator_version, 1, kMostVersion);

@@ -1,18 +1,34 @@
 #pragma once
 
-// The identity of the results of an experiment: two runs with the same identity have the same rows.
+// The identity of the results of a run: two runs with the same identity have the same rows.
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/experiment/experiment_scene.h"
 #include "engine/experiment/plan.h"
 #include "engine/experiment/trials_file.h"
+#include "engine/experiment/unit_part.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
+
+// What is run (dealt_run.h), and what its units are.
+enum class RunKind : std::uint8_t { kExperiment };
+struct RunKindWords {
+  std::string_view name;  // in run.json; empty: the entry is absent
+  std::string_view noun;  // of a unit
+  const char* nouns;      // the entry of their count in run.json
+};
+inline constexpr std::array<RunKindWords, 1> kRunKinds = {{{"", "participant", "participants"}}};
+constexpr const RunKindWords& words_of(RunKind kind) {
+  return kRunKinds[static_cast<std::size_t>(kind)];
+}
 
 struct RunIdentity {
   struct SceneHashes {
@@ -21,11 +37,12 @@ struct RunIdentity {
     std::uint64_t geometry = 0;
   };
 
+  RunKind kind = RunKind::kExperiment;
   std::string version;  // of Palpate
   std::string plan_name;
   std::uint64_t plan = 0;  // hash
   std::uint64_t seed = 0;
-  int participants = 0;
+  int units = 0;  // participants, or what the kind has in their place
   std::string operator_name;
   int operator_version = 0;
   std::uint64_t operator_file = 0;      // hash
@@ -36,6 +53,8 @@ struct RunIdentity {
     return strategies.empty() ? TrialColumns::kFactors : TrialColumns::kStrategies;
   }
 
+  // What the parts of the run share. columns: the names of the columns of their rows.
+  DealtUnits dealt_units(std::string columns) const;
   // The KeyHash of all of the above.
   std::uint64_t hash() const;
   // As a JSON object with a line end.

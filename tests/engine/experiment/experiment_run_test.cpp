@@ -27,9 +27,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "engine/experiment/participant_part.h"
 #include "engine/experiment/participant_run.h"
 #include "engine/experiment/trials_file.h"
+#include "engine/experiment/unit_part.h"
 #include "geometry/base/random.h"
 #include "tests/engine/experiment/stand_in_trial.h"
 #include "tests/helpers/deadly_rename.h"
@@ -89,6 +89,14 @@ std::set<std::string> files_below(const std::string& folder) {
     if (entry.is_regular_file()) names.insert(fs::relative(entry.path(), folder).string());
   }
   return names;
+}
+
+std::string part_of(const std::string& folder, int participant) {
+  return part_path(folder, "participant", participant);
+}
+
+std::vector<int> participants_with_parts(const std::string& folder) {
+  return units_with_parts(folder, "participant");
 }
 
 ExperimentRunOutcome run_into(const std::string& folder, const ExperimentPlan& plan,
@@ -289,7 +297,7 @@ TEST(ExperimentRun, ShardsThatAreKilledAndStartedAgainGiveTheSameBytes) {
     for (int number = 1; number <= count; ++number) {
       folders.push_back(folder.path(std::to_string(number)));
       const Shard shard{number, count};
-      const std::size_t participants = participants_of(shard, kParticipants).size();
+      const std::size_t participants = units_of(shard, kParticipants).size();
       for (std::size_t complete = 0; complete < participants;) {
         // A start kills itself in its first or second participant, unless it ends before.
         const std::size_t trials = 1 + random.index(2 * kTrialsEach);
@@ -393,7 +401,7 @@ TEST(ExperimentRun, AFullDiskIsRefusedAndALaterRunResumes) {
   const std::size_t part_bytes = [&] {
     const TemporaryFolder folder;
     run_into(folder.path(), plan, Shard{1, 9});
-    return content(part_path(folder.path(), 1)).size();
+    return content(part_of(folder.path(), 1)).size();
   }();
   // No file at all; the identity, but no part; all parts, but not trials.csv.
   for (const std::size_t limit : {std::size_t{0}, part_bytes / 2, 2 * part_bytes}) {
@@ -426,11 +434,11 @@ TEST(ExperimentRun, ADamagedPartIsComputedAgain) {
   const ExperimentPlan plan = small_plan();
   const TemporaryFolder folder;
   run_into(folder.path(), plan);
-  std::string part = content(part_path(folder.path(), 4));
-  fs::resize_file(part_path(folder.path(), 3), part.size() / 2);
+  std::string part = content(part_of(folder.path(), 4));
+  fs::resize_file(part_of(folder.path(), 3), part.size() / 2);
   part[part.size() - 10] ^= 1;
-  std::ofstream(part_path(folder.path(), 4), std::ios::binary) << part;
-  fs::remove(part_path(folder.path(), 9));
+  std::ofstream(part_of(folder.path(), 4), std::ios::binary) << part;
+  fs::remove(part_of(folder.path(), 9));
   EXPECT_EQ(run_into(folder.path(), plan).computed, (std::vector<int>{3, 4, 9}));
   EXPECT_EQ(results_in(folder.path()), reference());
 }
@@ -549,14 +557,13 @@ TEST(ExperimentRun, ReportsProgressUpToTheEnd) {
     lock.unlock();
     return run(arguments...);
   };
-  const auto outcome =
-      run_experiment(small_plan(), {folder.path(), {}, 2, false}, functions,
-                     [&](const ExperimentProgress& progress) {
-                       const std::lock_guard lock(mutex);
-                       shares.push_back(progress.share);
-                       EXPECT_EQ(progress.time_left_s.has_value(), progress.share > 0.0);
-                       shown.notify_all();
-                     });
+  const auto outcome = run_experiment(
+      small_plan(), {folder.path(), {}, 2, false}, functions, [&](const RunProgress& progress) {
+        const std::lock_guard lock(mutex);
+        shares.push_back(progress.share);
+        EXPECT_EQ(progress.time_left_s.has_value(), progress.share > 0.0);
+        shown.notify_all();
+      });
   ASSERT_TRUE(outcome.ok());
   EXPECT_EQ(shares.front(), 0.0);
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
@@ -708,8 +715,8 @@ TEST(ExperimentMerge, KilledBetweenAnyTwoRenamesLeavesWholeFiles) {
 TEST(ExperimentMerge, NamesMissingParticipants) {
   const MergeCase test;
   test.run(small_plan_json(), small_plan_json());
-  fs::remove(part_path(test.a, 3));
-  fs::remove(part_path(test.b, 8));
+  fs::remove(part_of(test.a, 3));
+  fs::remove(part_of(test.b, 8));
   test.expect_refused(test.a, "", "lacks participants 3 and 8 of 9");
 }
 
@@ -738,7 +745,7 @@ TEST(ExperimentMerge, NamesWhatDiffersBetweenPlans) {
 TEST(ExperimentMerge, NamesAPartThatWasChanged) {
   const MergeCase test;
   test.run(small_plan_json(), small_plan_json());
-  const std::string path = part_path(test.b, 2);
+  const std::string path = part_of(test.b, 2);
   std::string text = content(path);
   text[text.size() - 10] ^= 1;
   std::ofstream(path, std::ios::binary) << text;
@@ -772,24 +779,24 @@ TEST(ExperimentMerge, NamesRowsThatDiffer) {
   const MergeCase test;
   test.run(small_plan_json(), small_plan_json());
   // The same participant in both folders: once more is no fault, another result is one.
-  fs::copy_file(part_path(test.b, 2), part_path(test.a, 2));
+  fs::copy_file(part_of(test.b, 2), part_of(test.a, 2));
   ASSERT_TRUE(merge_experiment({test.a, test.b}, test.out).ok());
   EXPECT_EQ(results_in(test.out), reference());
   fs::remove_all(test.out);
 
   const std::uint64_t run = [&] {
-    const std::string text = content(part_path(test.b, 2));
+    const std::string text = content(part_of(test.b, 2));
     return std::stoull(text.substr(text.find("run ") + 4, 16), nullptr, 16);
   }();
-  std::string rows = *read_part(part_path(test.b, 2), run, 2);
+  const DealtUnits units{"participant", kParticipants, run, trials_columns()};
+  std::string rows = *read_part(part_of(test.b, 2), units, 2);
   std::size_t at = 0;
   for (int line = 0; line < 3; ++line) at = rows.find('\n', at) + 1;
   for (int field = 0; field < 8; ++field) at = rows.find(',', at) + 1;
   const std::size_t end = rows.find(',', at);
   rows.replace(at, end - at, rows.substr(at, end - at) == "done" ? "fault" : "done");
-  ASSERT_FALSE(write_part(part_path(test.b, 2), run, 2, rows).has_value());
-  test.expect_refused(part_path(test.b, 2), "line 6, column status",
-                      "as in " + part_path(test.a, 2));
+  ASSERT_FALSE(write_part(part_of(test.b, 2), units, 2, rows).has_value());
+  test.expect_refused(part_of(test.b, 2), "line 6, column status", "as in " + part_of(test.a, 2));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "engine/experiment/participant_part.h"
+#include "engine/experiment/unit_part.h"
 
 #include <algorithm>
 #include <charconv>
@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "engine/experiment/key_hash.h"
+#include "engine/experiment/trials_file.h"
 #include "engine/report/whole_file.h"
 #include "io/gltf/file.h"
 
@@ -14,19 +15,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kNameBegin = "participant-";
 constexpr std::string_view kNameEnd = ".csv";
 
 // The first line: what the rows belong to, and their hash.
-std::string line_of_run(std::uint64_t run, int participant) {
-  return "palpate part 1, run " + hash_text(run) + ", participant " + std::to_string(participant) +
-         ", rows ";
+std::string line_of_run(const DealtUnits& units, int unit) {
+  return "palpate part 1, run " + hash_text(units.identity) + ", " + units.noun + " " +
+         std::to_string(unit) + ", rows ";
 }
 
-std::string first_lines(std::uint64_t run, int participant, std::string_view rows,
-                        TrialColumns columns) {
-  return line_of_run(run, participant) + hash_text(KeyHash().add(rows).value()) + "\n" +
-         trials_columns(columns) + "\n";
+std::string first_lines(const DealtUnits& units, int unit, std::string_view rows) {
+  return line_of_run(units, unit) + hash_text(KeyHash().add(rows).value()) + "\n" + units.columns +
+         "\n";
 }
 
 Error part_error(const std::string& path, std::string element, std::string problem) {
@@ -44,54 +43,54 @@ std::string part_identity_path(const std::string& folder) {
   return (fs::path(parts_folder(folder)) / "run.json").string();
 }
 
-std::string part_path(const std::string& folder, int participant) {
-  std::string name(kNameBegin);
-  name.append(std::to_string(participant)).append(kNameEnd);
+std::string part_path(const std::string& folder, std::string_view noun, int unit) {
+  std::string name(noun);
+  name.append("-").append(std::to_string(unit)).append(kNameEnd);
   return (fs::path(parts_folder(folder)) / name).string();
 }
 
-std::vector<int> participants_with_parts(const std::string& folder) {
-  std::vector<int> participants;
+std::vector<int> units_with_parts(const std::string& folder, std::string_view noun) {
+  const std::string begin_of_names = std::string(noun) + "-";
+  std::vector<int> units;
   std::error_code failed;
   for (fs::directory_iterator entry(parts_folder(folder), failed), end; !failed && entry != end;
        entry.increment(failed)) {
     const std::string name = entry->path().filename().string();
-    if (!name.starts_with(kNameBegin) || !name.ends_with(kNameEnd)) continue;
-    const char* const begin = name.data() + kNameBegin.size();
+    if (!name.starts_with(begin_of_names) || !name.ends_with(kNameEnd)) continue;
+    const char* const begin = name.data() + begin_of_names.size();
     const char* const stop = name.data() + name.size() - kNameEnd.size();
-    int participant = 0;
-    const auto [rest, problem] = std::from_chars(begin, stop, participant);
-    const bool is_number = problem == std::errc() && rest == stop && participant > 0;
-    if (is_number && fs::path(part_path(folder, participant)).filename() == name) {  // not 007
-      participants.push_back(participant);
+    int unit = 0;
+    const auto [rest, problem] = std::from_chars(begin, stop, unit);
+    const bool is_number = problem == std::errc() && rest == stop && unit > 0;
+    if (is_number && fs::path(part_path(folder, noun, unit)).filename() == name) {  // not 007
+      units.push_back(unit);
     }
   }
-  std::sort(participants.begin(), participants.end());
-  return participants;
+  std::sort(units.begin(), units.end());
+  return units;
 }
 
-std::optional<Error> write_part(const std::string& path, std::uint64_t run, int participant,
-                                std::string_view rows, TrialColumns columns) {
+std::optional<Error> write_part(const std::string& path, const DealtUnits& units, int unit,
+                                std::string_view rows) {
   auto file = WholeFile::create(path);
   if (!file) return file.error();
-  file->add(first_lines(run, participant, rows, columns));
+  file->add(first_lines(units, unit, rows));
   file->add(rows);
   return file->finish();
 }
 
-Result<std::string> read_part(const std::string& path, std::uint64_t run, int participant,
-                              TrialColumns columns) {
+Result<std::string> read_part(const std::string& path, const DealtUnits& units, int unit) {
   const auto bytes = read_regular_file(path, kMostTrialsBytes);
   if (!bytes) return bytes.error();
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  const std::string begin = line_of_run(run, participant);
+  const std::string begin = line_of_run(units, unit);
   if (!text.starts_with(begin)) {
     const std::string found(text.substr(0, std::min(text.find('\n'), begin.size())));
     return part_error(path, "line 1", "begins with \"" + found + "\"; expected \"" + begin + "\"");
   }
-  const std::size_t head_bytes = first_lines(run, participant, "", columns).size();
+  const std::size_t head_bytes = first_lines(units, unit, "").size();
   const std::string_view rows = text.substr(std::min(head_bytes, text.size()));
-  if (text.substr(0, text.size() - rows.size()) != first_lines(run, participant, rows, columns)) {
+  if (text.substr(0, text.size() - rows.size()) != first_lines(units, unit, rows)) {
     return part_error(path, "line 1", "does not have the hash of the rows; the file was changed");
   }
   return std::string(rows);
