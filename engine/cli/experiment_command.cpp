@@ -131,7 +131,7 @@ int run_plan(const ExperimentRunRequest& request) {
   if (!outcome) return refuse(outcome.error());
   if (!outcome->not_done.empty()) return report_interruption(*outcome, request);
   std::cout << outcome_text(*outcome, request);
-  return exit_code_after_signals(finish_output());
+  return exit_code_after_signals(finish_output(plan->warnings()));
 }
 
 void add_run(CLI::App& experiment, ExperimentRunRequest& request) {

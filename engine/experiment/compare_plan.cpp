@@ -94,23 +94,24 @@ std::string plan_text(const CompareSettings& settings, CompareHands hands, const
   }
   const bool is_shipped = !shipped_operator_text(settings.person).empty();
   PlanJson followings = PlanJson::array();
-  for (const std::string_view name : kFollowingNames) {
-    if (settings.has_all_followings || followings.empty()) followings.push_back(name);
+  for (std::size_t i = 0; i < (settings.has_all_followings ? kTurningFollowings : 1); ++i) {
+    followings.push_back(kFollowingNames[i]);
   }
-  const PlanJson plan = {{"palpate_plan", 1},
-                         {"name", hands == CompareHands::kCompared ? "compare" : "compare, tuning"},
-                         {"seed", compare_seed(settings.seed, hands)},
-                         {"participants", settings.hands},
-                         {"blocks", 1},
-                         {"practice_blocks", 0},
-                         {"device", plan_device_json(settings.device)},
-                         {"display_Hz", TrialSettings{}.display_Hz},
-                         {"sphere_radius_m", TrialSettings{}.sphere_radius_m},
-                         {"limit_s", TrialSettings{}.limit_s},
-                         {"strategies", strategies_json(settings, hands)},
-                         {"objects", objects},
-                         {"operator", is_shipped ? settings.person : path_of(settings.person)},
-                         {"followings", followings}};
+  PlanJson plan = {{"palpate_plan", 1},
+                   {"name", hands == CompareHands::kCompared ? "compare" : "compare, tuning"},
+                   {"seed", compare_seed(settings.seed, hands)},
+                   {"participants", settings.hands},
+                   {"blocks", 1},
+                   {"practice_blocks", 0},
+                   {"device", plan_device_json(settings.device)},
+                   {"display_Hz", TrialSettings{}.display_Hz},
+                   {"sphere_radius_m", TrialSettings{}.sphere_radius_m},
+                   {"limit_s", TrialSettings{}.limit_s},
+                   {"strategies", strategies_json(settings, hands)},
+                   {"objects", objects},
+                   {"operator", is_shipped ? settings.person : path_of(settings.person)},
+                   {"followings", followings}};
+  if (settings.device.align == Alignment::kForward) plan["align"] = "forward";
   return plan.dump(1, ' ', false, PlanJson::error_handler_t::replace) + "\n";
 }
 

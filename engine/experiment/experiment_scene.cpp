@@ -1,5 +1,6 @@
 #include "engine/experiment/experiment_scene.h"
 
+#include <numbers>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -56,17 +57,22 @@ Error device_error(Error error, const ExperimentPlan& plan) {
   return error;
 }
 
+// The error of the first orientation in which the scene is larger than the workspace.
 std::optional<Error> check_size(const ExperimentPlan& plan, const PlanObject& object,
                                 const Scene& scene, const RunSetup& setup) {
   const Workspace workspace =
       hand_workspace(setup.actuation.sensors(), workspace_extent_m(setup.device));
-  auto misfit = check_fits(workspace, bounds_in_device(scene, setup.haptics.initial_pose),
-                           scene.statistics().extent_m.maxCoeff());
-  if (!misfit) return std::nullopt;
-  const bool is_of_scene = misfit->element == "scene";
-  Error error = device_error(*misfit, plan);
-  if (is_of_scene) error.element = element_of(object);
-  return error;
+  for (const double start_deg : plan.start_orientation_deg) {
+    const RunSetup turned = turned_setup(setup, start_deg);
+    auto misfit = check_fits(workspace, bounds_in_device(scene, turned.haptics.initial_pose),
+                             scene.statistics().extent_m.maxCoeff());
+    if (!misfit) continue;
+    const bool is_of_scene = misfit->element == "scene";
+    Error error = device_error(*misfit, plan);
+    if (is_of_scene) error.element = element_of(object);
+    return error;
+  }
+  return std::nullopt;
 }
 
 std::optional<Error> choose_plane(const ExperimentPlan& plan, const PlanObject& object,
@@ -113,12 +119,14 @@ std::optional<Error> check_strategies(const ExperimentPlan& plan, const PlanObje
 }
 
 Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const PlanObject& object,
-                                              const TrialFunctions& functions) {
+                                              double scale, const TrialFunctions& functions) {
   auto setup = make_setup(plan.device);
   if (!setup) return device_error(setup.error(), plan);
   const auto file_hash = hash_of_file(object.path);
   if (!file_hash) return file_hash.error();
   SceneSettings settings = object.scene;
+  settings.scale *= scale;
+  settings.fit_size_m *= scale;
   settings.proxy_radius_m = plan.device.radius_m;
   auto scene = Scene::load(object.path, settings);
   if (!scene) return scene_error(scene.error(), object);
@@ -142,13 +150,29 @@ Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const 
 
 }  // namespace
 
+RunSetup turned_setup(RunSetup setup, double start_orientation_deg) {
+  if (start_orientation_deg == 0.0) return setup;
+  ScenePose& pose = setup.haptics.initial_pose;
+  const Quat turn(
+      Eigen::AngleAxisd(start_orientation_deg * std::numbers::pi / 180.0, Vec3::UnitZ()));
+  pose = {(turn * pose.rotation).normalized(), turn * pose.translation_m};
+  return setup;
+}
+
+std::size_t scene_index(const ExperimentPlan& plan, const PlanVariant& variant,
+                        std::size_t object) {
+  return variant.scale * plan.objects.size() + object;
+}
+
 Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan& plan,
                                                             const TrialFunctions& functions) {
   std::vector<ExperimentScene> scenes;
-  for (const PlanObject& object : plan.objects) {
-    auto scene = load_experiment_scene(plan, object, functions);
-    if (!scene) return scene.error();
-    scenes.push_back(std::move(*scene));
+  for (const double scale : plan.scale) {
+    for (const PlanObject& object : plan.objects) {
+      auto scene = load_experiment_scene(plan, object, scale, functions);
+      if (!scene) return scene.error();
+      scenes.push_back(std::move(*scene));
+    }
   }
   return scenes;
 }

@@ -28,16 +28,22 @@ struct TrialFunctions {
 // An object, ready for trials.
 struct ExperimentScene {
   Scene scene;
-  RunSetup setup;  // with the height of the plane
+  RunSetup setup;  // with the height of the plane, and before the turn of a variant
   TrialWay way;
   std::uint64_t file_hash;      // of the bytes of the file
   std::uint64_t geometry_hash;  // of the triangles in the scene frame, in metres
 };
 
-// Loads every object of the plan. Errors, with the path of the plan or of the object's file: those
-// of Scene::load(), make_setup(), check_setup() and find_way, a scene that is larger than the
-// workspace, an effect that the rate is too low for, a scene that no plane cuts, and a strategy
-// that a scene or the device does not accept.
+// The setup of a variant: the scene is turned about A3 through the device's origin.
+RunSetup turned_setup(RunSetup setup, double start_orientation_deg);
+
+// The index of an object's scene in the list of load_experiment_scenes().
+std::size_t scene_index(const ExperimentPlan& plan, const PlanVariant& variant, std::size_t object);
+
+// Loads every object of the plan in every scale, and checks it in every orientation. Errors, with
+// the path of the plan or of the object's file: those of Scene::load(), make_setup(), check_setup()
+// and find_way, a scene that is larger than the workspace, an effect that the rate is too low for,
+// a scene that no plane cuts, and a strategy that a scene or the device does not accept.
 Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan& plan,
                                                             const TrialFunctions& functions);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/experiment/seen_picture.h"
 #include "engine/simulation/path_plan.h"
 #include "haptics/record_vectors.h"
 
@@ -30,6 +31,9 @@ constexpr double kOutside = 1.5;
 constexpr double kHaste = 2.0;
 // The distance between the points that the hand visits on its way back outside the contour.
 constexpr double kStride_m = 5e-3;
+
+// With View::kStill: farther from its first place than any arm reaches.
+constexpr double kArm_m = 1.0;
 
 // In press depths: the hand rests at the start this far outside the contour.
 constexpr double kStartsOutside = 2.0;
@@ -127,17 +131,38 @@ HandTarget OperatorHand::target(double time_s, const ScenePose& T_device_scene,
   const ScenePose believed = believed_pose(time_s);
   target.position_m = believed.point(aim.p_m + to_centre);
   target.velocity_m_per_s = believed.direction(aim.velocity_m_per_s);
-  return target;
+  return view_of(following_) == View::kStill ? within_reach(target) : target;
+}
+
+HandTarget OperatorHand::within_reach(const HandTarget& target) const {
+  const Vec3 from_m = first_pose_.point(start_m_);
+  const Vec3 way_m = target.position_m - from_m;
+  const double distance_m = way_m.norm();
+  if (distance_m <= kArm_m) return target;
+  HandTarget reached = target;
+  reached.position_m = from_m + kArm_m / distance_m * way_m;
+  reached.velocity_m_per_s.setZero();
+  return reached;
 }
 
 // A picture shows the scene after the rotation of its tick, as the display does.
 void OperatorHand::take_picture(double time_s, const ScenePose& T_device_scene,
                                 const TickRecord& last) {
+  if (taken_ == 0) first_pose_ = T_device_scene;
   Picture& picture = pictures_[taken_ % pictures_.size()];
   picture.time_s = time_s;
   picture.T_device_scene = T_device_scene;
   picture.proxy_scene_m = taken_ > 0 ? vec3(last.proxy_scene_m) : start_m_;
-  picture.goal_scene_m = taken_ > 0 ? T_device_scene.inverse_point(vec3(last.device_m)) : start_m_;
+  picture.felt_device_m = taken_ > 0 ? vec3(last.device_m) : T_device_scene.point(start_m_);
+  picture.goal_scene_m =
+      taken_ > 0 ? T_device_scene.inverse_point(picture.felt_device_m) : start_m_;
+  if (view_of(following_) == View::kStill && !is_same_pose(T_device_scene, first_pose_)) {
+    const SeenPicture seen = still_picture(
+        {T_device_scene, T_device_scene.point(picture.proxy_scene_m), picture.felt_device_m},
+        first_pose_);
+    picture.proxy_scene_m = seen.T_picture_scene.inverse_point(seen.proxy_m);
+    picture.goal_scene_m = seen.T_picture_scene.inverse_point(seen.device_m);
+  }
   picture.contact = last.contact != 0;
   picture.plan_scene_m = plan_m_;
   ++taken_;
@@ -185,6 +210,10 @@ void OperatorHand::see(const Picture& picture) {
 
 ScenePose OperatorHand::believed_pose(double time_s) const {
   const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
+  if (view_of(following_) == View::kStill) {
+    return adapted_pose(first_pose_, newest.T_device_scene, newest.goal_scene_m,
+                        newest.felt_device_m, adapted_share(following_));
+  }
   if (following_ == Following::kReplan || following_ == Following::kFrozen) return held_pose_;
   if (following_ == Following::kDelayed || seen_ < 2) return newest.T_device_scene;
   const Picture& previous = pictures_[(seen_ - 2) % pictures_.size()];

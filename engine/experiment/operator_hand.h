@@ -33,6 +33,10 @@ enum class Recovery : std::uint8_t { kOn, kOff };
 //   seen place.
 // - Correction: u' = k (plan - goal along the way, both as seen), |u| <= 20 mm. The lag into the
 //   wall is not corrected: in this direction, the hand yields.
+// - View: with one of the followings for View::kStill, the person sees the pictures of
+//   still_picture(), and believes in adapted_pose(). Once the scene has turned by more than 90 deg
+//   beyond what the person adapts to, the hand moves away from where the person aims. It then goes
+//   as far as an arm reaches, 1 m from its first place.
 // - Recovery: the person is lost if, for 0.5 s (1.5 s in a corner), the person sees no contact that
 //   moves or confirms the place on the contour. The hand then returns to the contour, 10 mm past
 //   that place. If it touches a wrong part of the contour, it first moves back beside the contour,
@@ -61,7 +65,8 @@ class OperatorHand final : public HandPlan {
     double time_s;
     ScenePose T_device_scene;
     Vec3 proxy_scene_m;
-    Vec3 goal_scene_m;  // the device point
+    Vec3 goal_scene_m;   // the device point
+    Vec3 felt_device_m;  // the device point as the hand feels it
     bool contact;
     Vec3 plan_scene_m;  // where the person aimed then, without the correction
   };
@@ -83,6 +88,7 @@ class OperatorHand final : public HandPlan {
   void look(double time_s);
   void see(const Picture& picture);
   ScenePose believed_pose(double time_s) const;
+  HandTarget within_reach(const HandTarget& target) const;
   bool is_in_corner() const;
   bool has_corner_between(double first_m, double last_m) const;
   double seen_along_m() const;
@@ -117,6 +123,7 @@ class OperatorHand final : public HandPlan {
   std::vector<Picture> pictures_;  // a ring
   std::uint64_t taken_ = 0;        // number of pictures taken
   std::uint64_t seen_ = 0;         // number of pictures seen; the last one is the newest
+  ScenePose first_pose_;           // in the first picture
   ScenePose held_pose_;            // for kReplan and kFrozen
   double held_since_s_ = 0.0;
   bool saw_contact_ = false;

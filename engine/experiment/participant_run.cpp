@@ -1,7 +1,8 @@
 #include "engine/experiment/participant_run.h"
 
-#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -40,6 +41,15 @@ TrialConditions conditions_of(const ExperimentPlan& plan, int participant,
   return conditions;
 }
 
+// The person in a block: practice makes the hand faster and steadier (ExperimentPlan).
+OperatorParameters person_in_block(OperatorParameters person, const ExperimentPlan& plan,
+                                   int block) {
+  const double times = std::pow(block + 1.0, plan.learning_exponent);
+  person.speed_m_per_s *= times;
+  person.intention_noise_m /= times;
+  return person;
+}
+
 TrialRow row_of(const ExperimentPlan& plan, int participant, const PlannedTrial& trial,
                 const TrialOutcome& outcome) {
   const PlanCondition& c = trial.condition;
@@ -59,6 +69,10 @@ TrialRow row_of(const ExperimentPlan& plan, int participant, const PlannedTrial&
     row.haptic = kHapticNames[c.haptic];
     row.rotation = kRotationNames[c.rotation];
   }
+  row.view = kViewNames[static_cast<std::size_t>(trial.variant.view)];
+  row.align = kAlignmentNames[static_cast<std::size_t>(plan.device.align)];
+  row.start_orientation_deg = plan.start_orientation_deg[trial.variant.start];
+  row.scale = plan.scale[trial.variant.scale];
   return row;
 }
 
@@ -70,14 +84,15 @@ Result<TraceWriter> create_trace(const std::string& path) {
 }
 
 Result<TrialOutcome> run_planned(const ExperimentPlan& plan, const ExperimentScene& scene,
-                                 const TrialFunctions& functions, const OperatorParameters& person,
+                                 const RunSetup& setup, const TrialFunctions& functions,
+                                 const OperatorParameters& person,
                                  const TrialConditions& conditions, const std::string& trace_path) {
   if (trace_path.empty()) {
-    return functions.run(scene.scene, scene.way, scene.setup, plan.trial, person, conditions, {});
+    return functions.run(scene.scene, scene.way, setup, plan.trial, person, conditions, {});
   }
   auto writer = create_trace(trace_path);
   if (!writer) return writer.error();
-  auto outcome = functions.run(scene.scene, scene.way, scene.setup, plan.trial, person, conditions,
+  auto outcome = functions.run(scene.scene, scene.way, setup, plan.trial, person, conditions,
                                [&](const TickRecord& record) { writer->add(record); });
   if (!outcome) return outcome;
   const auto written = writer->finish();
@@ -85,16 +100,57 @@ Result<TrialOutcome> run_planned(const ExperimentPlan& plan, const ExperimentSce
   return outcome;
 }
 
+// The conditions of a block in the order of the square: participant i has row i + block, counted
+// from 1 to the number of rows and then from 1 again.
+std::vector<PlanCondition> in_williams_order(const ExperimentPlan& plan, int participant,
+                                             int block) {
+  const std::vector<PlanCondition> conditions = plan.conditions();
+  const std::size_t objects = plan.objects.size();
+  const std::size_t levels = plan.level_count();
+  const std::size_t row = static_cast<std::size_t>(participant - 1 + block) % levels;
+  std::vector<PlanCondition> ordered;
+  for (const std::size_t level : williams_row(levels, row)) {
+    const PlanCondition& first = conditions[level * objects];
+    const std::uint64_t seed = objects_seed(plan.seed, participant, block, plan.level_name(first));
+    for (const std::size_t object : trial_order(objects, seed)) {
+      ordered.push_back(conditions[level * objects + object]);
+    }
+  }
+  return ordered;
+}
+
+std::vector<PlanCondition> ordered_conditions(const ExperimentPlan& plan, int participant,
+                                              int block) {
+  if (plan.order == ConditionOrder::kWilliams) return in_williams_order(plan, participant, block);
+  const std::vector<PlanCondition> conditions = plan.conditions();
+  std::vector<PlanCondition> ordered;
+  const std::uint64_t seed = order_seed(plan.seed, participant, block);
+  for (const std::size_t place : trial_order(conditions.size(), seed)) {
+    ordered.push_back(conditions[place]);
+  }
+  return ordered;
+}
+
+// "-still-45deg-x2", or nothing if the plan has one variant.
+std::string variant_suffix(const ExperimentPlan& plan, const PlanVariant& variant) {
+  if (plan.variants().size() == 1) return {};
+  std::ostringstream text;
+  text << "-" << kViewNames[static_cast<std::size_t>(variant.view)] << "-"
+       << plan.start_orientation_deg[variant.start] << "deg-x" << plan.scale[variant.scale];
+  return text.str();
+}
+
 }  // namespace
 
 std::vector<PlannedTrial> planned_trials(const ExperimentPlan& plan, int participant) {
-  const std::vector<PlanCondition> conditions = plan.conditions();
   std::vector<PlannedTrial> trials;
-  for (const Following following : plan.followings) {
-    for (const int block : plan.block_numbers()) {
-      const auto order = trial_order(conditions.size(), order_seed(plan.seed, participant, block));
-      for (std::size_t place = 0; place < order.size(); ++place) {
-        trials.push_back({following, block, static_cast<int>(place) + 1, conditions[order[place]]});
+  for (const PlanVariant& variant : plan.variants()) {
+    for (const Following following : plan.followings_of(variant.view)) {
+      for (const int block : plan.block_numbers()) {
+        int place = 0;
+        for (const PlanCondition& condition : ordered_conditions(plan, participant, block)) {
+          trials.push_back({variant, following, block, ++place, condition});
+        }
       }
     }
   }
@@ -107,7 +163,8 @@ std::string trace_name(const ExperimentPlan& plan, int participant, const Planne
   place.insert(0, std::to_string(in_block).size() - place.size(), '0');
   const std::string name = "block-" + std::to_string(trial.block) + "-trial-" + place + "-" +
                            plan.level_name(trial.condition) + "-" +
-                           plan.objects[trial.condition.object].name + ".csv";
+                           plan.objects[trial.condition.object].name +
+                           variant_suffix(plan, trial.variant) + ".csv";
   return (fs::path(following_name(trial.following)) /
           ("participant-" + std::to_string(participant)) / name)
       .string();
@@ -131,7 +188,11 @@ Result<std::optional<UnitRun>> run_participant(const ExperimentPlan& plan,
         traces_folder.empty()
             ? ""
             : (fs::path(traces_folder) / trace_name(plan, participant, trial)).string();
-    const auto outcome = run_planned(plan, scenes[trial.condition.object], functions, person,
+    const std::size_t scene = scene_index(plan, trial.variant, trial.condition.object);
+    const RunSetup setup =
+        turned_setup(scenes[scene].setup, plan.start_orientation_deg[trial.variant.start]);
+    const auto outcome = run_planned(plan, scenes[scene], setup, functions,
+                                     person_in_block(person, plan, trial.block),
                                      conditions_of(plan, participant, trial), trace_path);
     if (!outcome) return outcome.error();
     add_row(lines, row_of(plan, participant, trial, *outcome));

@@ -17,9 +17,10 @@
 
 namespace palpate {
 
-// The trials of a participant, in the order in which they run: by following, block and the random
+// The trials of a participant, in the order in which they run: by variant, following, block and the
 // order within the block.
 struct PlannedTrial {
+  PlanVariant variant;
   Following following;
   int block;
   int trial;  // place in the block, 1 for the first
@@ -29,7 +30,8 @@ std::vector<PlannedTrial> planned_trials(const ExperimentPlan& plan, int partici
 
 // The path of the trace of a trial below the folder of the traces:
 // "delayed/participant-3/block-1-trial-07-UaH-R-O2.csv", or with the name of a strategy in place of
-// "UaH-R".
+// "UaH-R"; if the plan has several variants, the name ends with the variant:
+// "...-O2-still-45deg-x2.csv".
 std::string trace_name(const ExperimentPlan& plan, int participant, const PlannedTrial& trial);
 
 // Whether a file of this name, without its folder, may be a trace.

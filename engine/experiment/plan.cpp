@@ -161,6 +161,76 @@ void read_display(ObjectReader& reader, ExperimentPlan& plan) {
   reader.fail(plan_error(reader.element_of("display_Hz"), text.str()));
 }
 
+// Alignment is a setting of the device's rotation, and a key of the plan because it is a question
+// that an experiment asks.
+void read_align(ObjectReader& reader, ExperimentPlan& plan) {
+  std::size_t place = 0;
+  reader.choice("align", place, words_of(kAlignmentNames), Key::kOptional);
+  if (!reader.ok()) return;
+  plan.device.align = static_cast<Alignment>(place);
+  const auto setup = make_setup(plan.device);
+  if (setup) return;
+  Error error = as_plan_error(setup.error(), "");
+  error.code = ErrorCode::kInvalidContent;
+  reader.fail(error);
+}
+
+// A list of distinct numbers in a range.
+void read_levels(ObjectReader& reader, const char* key, std::vector<double>& levels,
+                 const NumberRange& range) {
+  const Json* const found = reader.find(key, Key::kOptional);
+  if (!found) return;
+  const std::string element = reader.element_of(key);
+  const std::string expected = "a list of 1 to " + std::to_string(kMostPlanLevels) + " numbers";
+  if (!found->is_array()) return reader.fail(unexpected_value(element, *found, expected));
+  if (found->empty() || found->size() > kMostPlanLevels) {
+    return reader.fail(plan_error(
+        element, "is a list of " + std::to_string(found->size()) + "; expected " + expected));
+  }
+  levels.clear();
+  for (std::size_t i = 0; i < found->size(); ++i) {
+    const Json& level = (*found)[i];
+    const std::string at = element + "/" + std::to_string(i);
+    if (!level.is_number() || !range.contains(level.get<double>())) {
+      return reader.fail(unexpected_value(at, level, text_of(range)));
+    }
+    if (std::find(levels.begin(), levels.end(), level.get<double>()) != levels.end()) {
+      return reader.fail(plan_error(at, "is " + level.dump() + " again; expected each level once"));
+    }
+    levels.push_back(level.get<double>());
+  }
+}
+
+// The settings that make variants of the experiment.
+void read_variants(ObjectReader& reader, ExperimentPlan& plan) {
+  if (reader.find("view", Key::kOptional)) {
+    std::vector<std::size_t> views;
+    reader.choices("view", views, words_of(kViewNames));
+    plan.views.clear();
+    for (const std::size_t view : views) plan.views.push_back(static_cast<View>(view));
+  }
+  read_levels(reader, "start_orientation_deg", plan.start_orientation_deg, kStartRange_deg);
+  read_levels(reader, "scale", plan.scale, kScaleRange);
+}
+
+void read_order(ObjectReader& reader, ExperimentPlan& plan) {
+  std::size_t place = 0;
+  reader.choice("order", place, words_of(kConditionOrderNames), Key::kOptional);
+  plan.order = static_cast<ConditionOrder>(place);
+  constexpr NumberRange kExponent{0.0, 1.0};
+  reader.number("learning_exponent", plan.learning_exponent, kExponent, Key::kOptional);
+  const std::size_t count = plan.level_count();
+  if (!reader.ok() || plan.order == ConditionOrder::kRandom || count % 2 == 0) return;
+  reader.fail(
+      plan_error(reader.element_of("order"),
+                 "is williams, but the plan has " + std::to_string(count) +
+                     (count == 1 ? " condition" : " conditions") +
+                     " without their objects; expected an even number",
+                 "change the levels of " +
+                     std::string(plan.strategies.empty() ? "haptic or rotation" : "strategies") +
+                     ", or use the order random"));
+}
+
 // True if the plan has strategies, which then are read.
 bool read_strategies(ObjectReader& reader, ExperimentPlan& plan) {
   const Json* const found = reader.find("strategies", Key::kOptional);
@@ -209,8 +279,13 @@ void read_factors(ObjectReader& reader, ExperimentPlan& plan) {
     reader.choices("haptic", plan.haptic, words_of(kHapticNames));
     reader.choices("rotation", plan.rotation, words_of(kRotationNames));
   }
+  const bool sees_turning =
+      std::find(plan.views.begin(), plan.views.end(), View::kTurning) != plan.views.end();
+  if (!sees_turning && !reader.find("followings", Key::kOptional)) return;
   std::vector<std::size_t> followings;
-  reader.choices("followings", followings, words_of(kFollowingNames));
+  std::vector<std::string_view> names = words_of(kFollowingNames);
+  names.resize(kTurningFollowings);
+  reader.choices("followings", followings, names);
   for (const std::size_t place : followings) {
     plan.followings.push_back(static_cast<Following>(place));
   }
@@ -267,9 +342,42 @@ std::vector<int> ExperimentPlan::block_numbers() const {
 }
 
 std::uint64_t ExperimentPlan::trials_per_participant() const {
-  const std::uint64_t levels =
-      strategies.empty() ? haptic.size() * rotation.size() : strategies.size();
-  return std::uint64_t{followings.size()} * block_numbers().size() * levels * objects.size();
+  std::uint64_t followings_of_views = 0;
+  for (const View view : views) followings_of_views += followings_of(view).size();
+  return followings_of_views * start_orientation_deg.size() * scale.size() *
+         block_numbers().size() * level_count() * objects.size();
+}
+
+std::size_t ExperimentPlan::level_count() const {
+  return strategies.empty() ? haptic.size() * rotation.size() : strategies.size();
+}
+
+std::vector<PlanVariant> ExperimentPlan::variants() const {
+  std::vector<PlanVariant> all;
+  for (const View view : views) {
+    for (std::size_t start = 0; start < start_orientation_deg.size(); ++start) {
+      for (std::size_t size = 0; size < scale.size(); ++size) all.push_back({view, start, size});
+    }
+  }
+  return all;
+}
+
+std::vector<Following> ExperimentPlan::followings_of(View view) const {
+  if (view == View::kTurning) return followings;
+  return {Following::kAdaptsNone, Following::kAdaptsHalf, Following::kAdaptsWhole};
+}
+
+std::vector<std::string> ExperimentPlan::warnings() const {
+  const int rows = static_cast<int>(level_count());
+  if (order == ConditionOrder::kRandom || participants % rows == 0) return {};
+  const int rest = participants % rows;
+  return {"participants: is " + std::to_string(participants) + ", which is no multiple of " +
+          std::to_string(rows) + ", the number of conditions; in each block " +
+          std::to_string(rest) + " of the " + std::to_string(rows) +
+          " orders of the Williams square " + (rest == 1 ? "is" : "are") + " used " +
+          std::to_string(participants / rows + 1) + (participants < rows ? " time" : " times") +
+          " and the others " + std::to_string(participants / rows) +
+          ", so that places and successions of conditions are not balanced"};
 }
 
 Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path,
@@ -281,9 +389,12 @@ Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path
   ObjectReader reader(*json, "");
   read_protocol(reader, plan);
   read_device(reader, plan);
+  read_align(reader, plan);
   check_limit(reader, plan);
   read_display(reader, plan);
+  read_variants(reader, plan);
   read_factors(reader, plan);
+  read_order(reader, plan);
   read_objects(reader, folder, plan);
   read_operator(reader, folder, plan);
   check_trials(reader, plan);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/experiment/operator_file.h"
+#include "engine/experiment/strict_json.h"
 #include "engine/experiment/trial.h"
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
@@ -32,6 +33,17 @@ inline constexpr int kMostBlocks = 100;
 inline constexpr std::size_t kMostPlanObjects = 100;
 inline constexpr std::size_t kMostPlanStrategies = 100;
 inline constexpr std::size_t kMostObjectNameBytes = 40;
+inline constexpr std::size_t kMostPlanLevels = 100;  // of the view, start orientation and scale
+
+// The order of the conditions in a block.
+enum class ConditionOrder : std::uint8_t {
+  kRandom,   // every condition with every object, in random order
+  kWilliams  // the conditions in the order of a Williams square; their objects in random order
+};
+inline constexpr std::array<std::string_view, 2> kConditionOrderNames = {"random", "williams"};
+inline constexpr std::array<std::string_view, 2> kAlignmentNames = {"nearest", "forward"};
+inline constexpr NumberRange kStartRange_deg{-360.0, 360.0};
+inline constexpr NumberRange kScaleRange{0.0, 1e6, true};
 
 // An object that the hand follows.
 struct PlanObject {
@@ -50,6 +62,14 @@ struct PlanCondition {
   std::optional<std::size_t> strategy = {};
 };
 
+// A level of each setting that makes an experiment of its own: all variants of a plan have the same
+// persons and random numbers.
+struct PlanVariant {
+  View view = View::kTurning;
+  std::size_t start = 0;  // index into ExperimentPlan::start_orientation_deg
+  std::size_t scale = 0;  // index into ExperimentPlan::scale
+};
+
 // A plan. Its JSON is an object with these keys; those in brackets are optional:
 //   palpate_plan     1
 //   name             text
@@ -62,7 +82,18 @@ struct PlanCondition {
 //   objects          {"O1": "star.glb"} or {"O1": {"file": "star.glb", ["node", "scale" or
 //                    "fit_size_m", "pose"]}}; paths are relative to the folder of the plan
 //   operator         a name of kShippedOperators, or the path of an operator file
-//   followings       a list of one or more of kFollowingNames
+//   followings       a list of one or more of the first kTurningFollowings of kFollowingNames.
+//                    A person who sees the scene still has the other three instead; a plan
+//                    without the view `turning` needs no followings
+//   [align]          a name of kAlignmentNames; `forward` is for one motor
+//   [view]           a list of one or both of kViewNames; [turning]
+//   [start_orientation_deg]  a list of angles by which the scene is turned about A3 before the
+//                    trial, deg; [0]
+//   [scale]          a list of factors of the objects' size; the spheres keep their size; [1]
+//   [order]          a name of kConditionOrderNames; `williams` needs an even number of conditions
+//                    without their objects
+//   [learning_exponent]  b: in block n, counted from 0 for practice, a person has
+//                    speed_m_per_s times (n + 1)^b and intention_noise_m times (n + 1)^-b; [0]
 struct ExperimentPlan {
   std::string path;  // as the caller named it
   std::string name;
@@ -77,7 +108,12 @@ struct ExperimentPlan {
   std::vector<Strategy> strategies;   // empty: haptic and rotation are not
   std::vector<PlanObject> objects;    // sorted by name
   OperatorFile person;
-  std::vector<Following> followings;
+  std::vector<Following> followings;  // with View::kTurning
+  std::vector<View> views = {View::kTurning};
+  std::vector<double> start_orientation_deg = {0.0};
+  std::vector<double> scale = {1.0};
+  ConditionOrder order = ConditionOrder::kRandom;
+  double learning_exponent = 0.0;
   // The content of the plan without the parts that may differ between machines: the JSON with
   // sorted keys and with the name of the operator, without blanks and without paths of objects.
   // `hash` is its hash.
@@ -86,11 +122,18 @@ struct ExperimentPlan {
 
   // Haptic x rotation x object, or strategy x object, in the order of the lists.
   std::vector<PlanCondition> conditions() const;
+  // The number of conditions without their objects.
+  std::size_t level_count() const;
+  // View x start orientation x scale, in the order of the lists.
+  std::vector<PlanVariant> variants() const;
+  std::vector<Following> followings_of(View view) const;
   // The levels of a condition without its object: "UaH-R"; "a4".
   std::string level_name(const PlanCondition& condition) const;
   // The numbers of the blocks; 0 is practice.
   std::vector<int> block_numbers() const;
   std::uint64_t trials_per_participant() const;
+  // Sentences about what the plan leaves unbalanced.
+  std::vector<std::string> warnings() const;
 };
 
 // An error names the element, such as /device/rate_Hz. path: the path of the file, for messages.

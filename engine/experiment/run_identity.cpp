@@ -121,8 +121,13 @@ RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<Experiment
   identity.operator_name = plan.person.name;
   identity.operator_version = plan.person.version;
   identity.operator_file = plan.person.hash;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    identity.scenes.push_back({plan.objects[i].name, scenes[i].file_hash, scenes[i].geometry_hash});
+  const std::size_t objects = plan.objects.size();
+  for (std::size_t i = 0; i < objects; ++i) {
+    std::uint64_t geometry = scenes[i].geometry_hash;
+    for (std::size_t scaled = i + objects; scaled < scenes.size(); scaled += objects) {
+      geometry = KeyHash().add(geometry).add(scenes[scaled].geometry_hash).value();
+    }
+    identity.scenes.push_back({plan.objects[i].name, scenes[i].file_hash, geometry});
   }
   for (const Strategy& strategy : plan.strategies) identity.strategies.push_back(name_of(strategy));
   return identity;

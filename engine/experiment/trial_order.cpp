@@ -19,6 +19,14 @@ std::uint64_t order_seed(std::uint64_t seed, int participant, int block) {
   return key("order", seed, participant).add(static_cast<std::uint64_t>(block)).value();
 }
 
+std::uint64_t objects_seed(std::uint64_t seed, int participant, int block,
+                           const std::string& level) {
+  return key("objects", seed, participant)
+      .add(static_cast<std::uint64_t>(block))
+      .add(level)
+      .value();
+}
+
 std::uint64_t noise_seed(std::uint64_t seed, int participant, int block, const std::string& haptic,
                          const std::string& rotation, const std::string& object) {
   return key("noise", seed, participant)
@@ -40,6 +48,15 @@ std::vector<std::size_t> trial_order(std::size_t count, std::uint64_t seed) {
   SeededRandom random(seed);
   for (std::size_t left = count; left > 1; --left) {
     std::swap(order[left - 1], order[random.index(left)]);
+  }
+  return order;
+}
+
+std::vector<std::size_t> williams_row(std::size_t count, std::size_t row) {
+  std::vector<std::size_t> order(count);
+  for (std::size_t place = 0; place < count; ++place) {
+    const std::size_t step = (place + 1) / 2;
+    order[place] = ((place % 2 == 1 ? step : count - step) + row) % count;
   }
   return order;
 }

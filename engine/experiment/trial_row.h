@@ -82,6 +82,11 @@ struct TrialRow {
   std::array<std::optional<double>, kMeasureCount> measures;
   // The name of a Strategy, in trials of a plan with strategies; otherwise empty.
   std::string strategy = {};
+  // The levels of the plan's other settings (plan.h); a file of people may leave them out.
+  std::string view = "turning";
+  std::string align = "nearest";
+  double start_orientation_deg = 0.0;
+  double scale = 1.0;
 };
 
 }  // namespace palpate

@@ -62,6 +62,20 @@ constexpr std::array<LeadingColumn, Leading::kCount> kLeadingColumns = {{
 constexpr LeadingColumn kStrategyColumn = {
     "strategy", "the technique for missing motors, in place of haptic and rotation", "", false};
 
+// The columns at the end.
+struct Trailing {
+  enum Index : std::size_t { kView, kAlign, kStart, kScale, kCount };
+};
+
+constexpr std::array<LeadingColumn, Trailing::kCount> kTrailingColumns = {{
+    {"view", "what the display shows of a scene that turns: turning or still", "", false},
+    {"align", "the end of the motor's line that the normal turns to: nearest or forward", "",
+     false},
+    {"start_orientation_deg", "by which the scene is turned about A3 before the trial", "", false},
+    {"scale", "factor of the object's size", "", false},
+}};
+constexpr std::array<std::string_view, Trailing::kCount> kTrailingUnits = {"", "", "deg", "1"};
+
 // The measures in a file.
 std::span<const TrialMeasure> measures_in(TrialColumns columns) {
   return std::span(trial_measures())
@@ -72,7 +86,8 @@ std::string joined_trial_columns(TrialColumns columns) {
   std::string text;
   for (const LeadingColumn& column : kLeadingColumns) text.append(column.name).append(",");
   for (const TrialMeasure& measure : measures_in(columns)) text.append(measure.name).append(",");
-  if (columns == TrialColumns::kStrategies) return text.append(kStrategyColumn.name);
+  if (columns == TrialColumns::kStrategies) text.append(kStrategyColumn.name).append(",");
+  for (const LeadingColumn& column : kTrailingColumns) text.append(column.name).append(",");
   text.pop_back();
   return text;
 }
@@ -84,6 +99,7 @@ struct Columns {
   std::array<std::size_t, Leading::kCount> leading;
   std::array<std::size_t, kMeasureCount> measures;
   std::size_t strategy = kAbsent;
+  std::array<std::size_t, Trailing::kCount> trailing;
   std::size_t count = 0;
 };
 
@@ -127,6 +143,11 @@ Result<Columns> find_columns(const std::vector<std::string>& header) {
   const auto strategy = find_column(header, kStrategyColumn.name);
   if (!strategy) return strategy.error();
   columns.strategy = *strategy;
+  for (std::size_t i = 0; i < Trailing::kCount; ++i) {
+    const auto place = find_column(header, kTrailingColumns[i].name);
+    if (!place) return place.error();
+    columns.trailing[i] = *place;
+  }
   return columns;
 }
 
@@ -163,6 +184,13 @@ class Line {
   std::optional<Error> read_condition(TrialRow& row) const;
   std::optional<Error> read_whole(Leading::Index index, int least, int& value) const;
   std::optional<Error> read_measure(std::size_t i, TrialRow& row) const;
+  template <std::size_t count>
+  std::optional<Error> read_setting(Trailing::Index index,
+                                    const std::array<std::string_view, count>& names,
+                                    std::string& level) const;
+  std::optional<Error> read_setting(Trailing::Index index, const NumberRange& range,
+                                    double& level) const;
+  std::optional<Error> read_variant(TrialRow& row) const;
 
   const std::vector<std::string>& fields_;
   const Columns& columns_;
@@ -228,6 +256,40 @@ std::optional<Error> Line::read_measure(std::size_t i, TrialRow& row) const {
   return std::nullopt;
 }
 
+constexpr const char* kOtherMeaning = "rename the column if it has another meaning";
+
+template <std::size_t count>
+std::optional<Error> Line::read_setting(Trailing::Index index,
+                                        const std::array<std::string_view, count>& names,
+                                        std::string& level) const {
+  const std::string* const field = find(columns_.trailing[index]);
+  if (!field || field->empty()) return std::nullopt;
+  if (std::find(names.begin(), names.end(), *field) == names.end()) {
+    return refused(kTrailingColumns[index].name, *field, joined_words({names.begin(), names.end()}),
+                   kOtherMeaning);
+  }
+  level = *field;
+  return std::nullopt;
+}
+
+std::optional<Error> Line::read_setting(Trailing::Index index, const NumberRange& range,
+                                        double& level) const {
+  const std::string* const field = find(columns_.trailing[index]);
+  if (!field || field->empty()) return std::nullopt;
+  const char* const end = field->data() + field->size();
+  const auto [stop, failed] = std::from_chars(field->data(), end, level);
+  if (failed == std::errc() && stop == end && range.contains(level)) return std::nullopt;
+  return refused(kTrailingColumns[index].name, *field, text_of(range), kOtherMeaning);
+}
+
+std::optional<Error> Line::read_variant(TrialRow& row) const {
+  auto error = read_setting(Trailing::kView, kViewNames, row.view);
+  if (!error) error = read_setting(Trailing::kAlign, kAlignmentNames, row.align);
+  if (!error) error = read_setting(Trailing::kStart, kStartRange_deg, row.start_orientation_deg);
+  if (!error) error = read_setting(Trailing::kScale, kScaleRange, row.scale);
+  return error;
+}
+
 // A strategy, or the levels of haptic and rotation.
 std::optional<Error> Line::read_condition(TrialRow& row) const {
   const std::string* const strategy = find(columns_.strategy);
@@ -239,8 +301,7 @@ std::optional<Error> Line::read_condition(TrialRow& row) const {
   const auto known = parse_strategy(*strategy);
   if (!known || name_of(*known) != *strategy) {
     return refused(kStrategyColumn.name, *strategy,
-                   "an empty field, or the name of a strategy, such as a4",
-                   "rename the column if it has another meaning");
+                   "an empty field, or the name of a strategy, such as a4", kOtherMeaning);
   }
   for (const Leading::Index factor : {Leading::kHaptic, Leading::kRotation}) {
     if (const std::string& level = *find(columns_.leading[factor]); !level.empty()) {
@@ -264,6 +325,7 @@ Result<TrialRow> Line::row() const {
   if (!error) error = read_name(Leading::kObject, row.object);
   if (!error) error = read_whole(Leading::kAttempt, 1, row.attempt);
   if (!error) error = read_level(Leading::kStatus, kTrialStatusNames, status);
+  if (!error) error = read_variant(row);
   if (error) return *error;
   const auto place = std::find(kTrialStatusNames.begin(), kTrialStatusNames.end(), status);
   row.status = static_cast<TrialStatus>(place - kTrialStatusNames.begin());
@@ -273,12 +335,20 @@ Result<TrialRow> Line::row() const {
   return row;
 }
 
+// The shortest text of a number.
+std::string number_text(double number) {
+  std::array<char, 32> digits;  // the shortest form of a double has at most 24 characters
+  const auto [end, failed] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+  return {digits.data(), end};
+}
+
 // What identifies a trial.
 std::string key_of(const TrialRow& row) {
   std::string key;
   for (const std::string& part :
        {row.following, row.participant, std::to_string(row.block), row.haptic, row.rotation,
-        row.strategy, row.object, std::to_string(row.attempt)}) {
+        row.strategy, row.object, std::to_string(row.attempt), row.view, row.align,
+        number_text(row.start_orientation_deg), number_text(row.scale)}) {
     key += std::to_string(part.size()) + ":" + part;
   }
   return key;
@@ -291,7 +361,9 @@ Error doubled(const TrialRow& row, std::size_t line, std::size_t first_line) {
           " again: " + (row.following.empty() ? "" : row.following + ", ") + "participant " +
           row.participant + ", block " + std::to_string(row.block) + ", " +
           (row.strategy.empty() ? row.haptic + ", " + row.rotation : row.strategy) + ", " +
-          row.object + ", attempt " + std::to_string(row.attempt) + "; expected each trial once",
+          row.object + ", attempt " + std::to_string(row.attempt) + ", " + row.view + ", " +
+          row.align + ", " + number_text(row.start_orientation_deg) + " deg, scale " +
+          number_text(row.scale) + "; expected each trial once",
       "remove one of the lines, or number the attempts");
 }
 
@@ -364,6 +436,7 @@ void add_row(CsvLines& lines, const TrialRow& row) {
     }
   }
   if (has_strategy) lines.add(row.strategy);
+  lines.add(row.view).add(row.align).add(row.start_orientation_deg).add(row.scale);
   lines.end_line();
 }
 
@@ -377,6 +450,10 @@ std::string columns_csv(TrialColumns columns) {
     lines.add(measure.name).add(measure.unit).add(measure.meaning).add(measure.paper).end_line();
   }
   if (columns == TrialColumns::kStrategies) add(kStrategyColumn);
+  for (std::size_t i = 0; i < Trailing::kCount; ++i) {
+    const LeadingColumn& column = kTrailingColumns[i];
+    lines.add(column.name).add(kTrailingUnits[i]).add(column.meaning).add(column.paper).end_line();
+  }
   return lines.text();
 }
 

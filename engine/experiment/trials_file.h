@@ -22,8 +22,9 @@ inline constexpr std::size_t kMostTrialRows = std::size_t{1} << 18;
 enum class TrialColumns : std::uint8_t { kFactors, kStrategies };
 
 // The first line: following, participant, block, trial, haptic, rotation, object, attempt, status,
-// then the measures. With strategies, haptic and rotation are empty in every row; the measures from
-// kPlainMeasureCount on are present, and `strategy` is the last column.
+// then the measures, then view, align, start_orientation_deg and scale. With strategies, haptic and
+// rotation are empty in every row; the measures from kPlainMeasureCount on are present, and
+// `strategy` follows them.
 const std::string& trials_columns(TrialColumns columns = TrialColumns::kFactors);
 
 // Appends a row, with the columns of kStrategies if it has a strategy. A measure without a value is
@@ -38,17 +39,18 @@ std::string columns_csv(TrialColumns columns = TrialColumns::kFactors);
 // ignored.
 //
 // The columns participant, block, haptic, rotation, object and status are required. following,
-// trial, attempt and strategy are optional, and so is each measure. A row has either a strategy or
-// haptic and rotation. Other columns are ignored. An empty field
-// or NA is a measure without a value; a trial that is not done may also have nan or inf there,
-// which is read as no value.
+// trial, attempt, strategy, view, align, start_orientation_deg and scale are optional, and so is
+// each measure. An empty field of the last four stands for turning, nearest, 0 and 1. A row has
+// either a strategy or haptic and rotation. Other columns are ignored. An empty field or NA is a
+// measure without a value; a trial that is not done may also have nan or inf there, which is read
+// as no value.
 //
 // Errors, with the line and the column: a zero byte, a quotation mark out of place, a missing or
 // repeated column, a line with too few or too many fields, an unknown level, a field that is not a
 // number, a measure that is not finite in a trial with the status done, a row whose following,
-// participant, block, haptic, rotation, strategy, object and attempt occurred before, no row at
-// all, and a file beyond the limits. The levels are those of plan.h, kFollowingNames and
-// kTrialStatusNames; a following may be empty.
+// participant, block, haptic, rotation, strategy, object, attempt, view, align,
+// start_orientation_deg and scale occurred before, no row at all, and a file beyond the limits. The
+// levels are those of plan.h, kFollowingNames and kTrialStatusNames; a following may be empty.
 Result<std::vector<TrialRow>> read_trials(const std::string& path);
 
 // The same for a text. path: for messages.

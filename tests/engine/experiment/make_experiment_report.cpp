@@ -16,7 +16,7 @@ namespace {
 std::vector<TrialRow> made_up(bool is_simulated) {
   test::SampleTrials sample;
   if (is_simulated) {
-    sample.followings.assign(kFollowingNames.begin(), kFollowingNames.end());
+    sample.followings.assign(kFollowingNames.begin(), kFollowingNames.begin() + kTurningFollowings);
     sample.has_timeouts = true;
     return sample_trials(sample);
   }
