@@ -103,6 +103,13 @@ struct Columns {
   std::size_t count = 0;
 };
 
+// The shortest text of a number.
+std::string number_text(double number) {
+  std::array<char, 32> digits;  // the shortest form of a double has at most 24 characters
+  const auto [end, failed] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+  return {digits.data(), end};
+}
+
 Error trials_error(std::string element, std::string problem, std::string hint = {}) {
   return {ErrorCode::kInvalidContent, "", std::move(element), std::move(problem), std::move(hint)};
 }
@@ -335,13 +342,6 @@ Result<TrialRow> Line::row() const {
   return row;
 }
 
-// The shortest text of a number.
-std::string number_text(double number) {
-  std::array<char, 32> digits;  // the shortest form of a double has at most 24 characters
-  const auto [end, failed] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
-  return {digits.data(), end};
-}
-
 // What identifies a trial.
 std::string key_of(const TrialRow& row) {
   std::string key;
@@ -436,7 +436,8 @@ void add_row(CsvLines& lines, const TrialRow& row) {
     }
   }
   if (has_strategy) lines.add(row.strategy);
-  lines.add(row.view).add(row.align).add(row.start_orientation_deg).add(row.scale);
+  lines.add(row.view).add(row.align);
+  lines.add(number_text(row.start_orientation_deg)).add(number_text(row.scale));
   lines.end_line();
 }
 

@@ -28,7 +28,7 @@ enum class TrialColumns : std::uint8_t { kFactors, kStrategies };
 const std::string& trials_columns(TrialColumns columns = TrialColumns::kFactors);
 
 // Appends a row, with the columns of kStrategies if it has a strategy. A measure without a value is
-// an empty field; a number has 17 digits.
+// an empty field; a measure has 17 digits.
 void add_row(CsvLines& lines, const TrialRow& row);
 
 // The text of columns.csv: name, unit, meaning and the paper's name of each column.

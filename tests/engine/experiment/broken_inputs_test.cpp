@@ -1,8 +1,10 @@
 // Plans, operator files and tables of trials that are broken in one place each: the error names
 // this place.
 
+#include <array>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <set>
 #include <string>
 #include <vector>
@@ -98,6 +100,90 @@ const std::vector<Breakage>& broken_plans() {
          set_strategies(j, {"a4", "mask", "a4"});
        },
        "/strategies/2", "is a4 again"},
+      {"align is no word", [](Json& j) { j["align"] = "backward"; }, "/align",
+       "is \"backward\"; expected nearest or forward"},
+      {"align is a list", [](Json& j) { j["align"] = {"forward"}; }, "/align", "expected"},
+      {"forward with two motors",
+       [](Json& j) {
+         j["align"] = "forward";
+         j["device"]["actuators"] = 2;
+       },
+       "/align", "is forward, which is for one motor, but the device has 2"},
+      {"forward without a motor",
+       [](Json& j) {
+         j["align"] = "forward";
+         j["device"]["actuators"] = 0;
+       },
+       "/align", "is for one motor, but the device has 0"},
+      {"forward with the printed table",
+       [](Json& j) {
+         j["align"] = "forward";
+         j["device"]["table1"] = "printed";
+       },
+       "/align", "is forward together with table1 printed"},
+      {"align in the device", [](Json& j) { j["device"]["align"] = "forward"; }, "/device/align",
+       "not a known key"},
+      {"view is a word", [](Json& j) { j["view"] = "still"; }, "/view", "expected a list"},
+      {"no view", [](Json& j) { j["view"] = Json::array(); }, "/view", ""},
+      {"unknown view",
+       [](Json& j) {
+         j["view"] = {"turning", "frozen"};
+       },
+       "/view/1", "turning or still"},
+      {"repeated view",
+       [](Json& j) {
+         j["view"] = {"still", "still"};
+       },
+       "/view/1", ""},
+      {"an adaptation as a following", [](Json& j) { j["followings"] = {"adapts-1"}; },
+       "/followings/0", "delayed, predict, replan or frozen"},
+      {"start orientation is a number", [](Json& j) { j["start_orientation_deg"] = 45; },
+       "/start_orientation_deg", "is 45; expected a list"},
+      {"no start orientation", [](Json& j) { j["start_orientation_deg"] = Json::array(); },
+       "/start_orientation_deg", "is a list of 0"},
+      {"start orientation beyond a turn",
+       [](Json& j) {
+         j["start_orientation_deg"] = {0, 361};
+       },
+       "/start_orientation_deg/1", "is 361; expected a number from -360 to 360"},
+      {"start orientation is a text", [](Json& j) { j["start_orientation_deg"] = {"45"}; },
+       "/start_orientation_deg/0", "is \"45\""},
+      {"repeated start orientation",
+       [](Json& j) {
+         j["start_orientation_deg"] = {45, 0, 45.0};
+       },
+       "/start_orientation_deg/2", "again"},
+      {"scale 0", [](Json& j) { j["scale"] = {0}; }, "/scale/0", "above 0"},
+      {"negative scale",
+       [](Json& j) {
+         j["scale"] = {1, -1};
+       },
+       "/scale/1", "above 0"},
+      {"repeated scale",
+       [](Json& j) {
+         j["scale"] = {1, 1.0};
+       },
+       "/scale/1", "again"},
+      {"too many scales", [](Json& j) { j["scale"] = std::vector<double>(101, 1.0); }, "/scale",
+       "is a list of 101; expected a list of 1 to 100 numbers"},
+      {"unknown order", [](Json& j) { j["order"] = "latin"; }, "/order", "random or williams"},
+      {"williams with three conditions",
+       [](Json& j) {
+         j["order"] = "williams";
+         j["rotation"] = {"R"};
+       },
+       "/order", "has 3 conditions without their objects; expected an even number"},
+      {"negative learning", [](Json& j) { j["learning_exponent"] = -0.1; }, "/learning_exponent",
+       "from 0 to 1"},
+      {"learning is a list", [](Json& j) { j["learning_exponent"] = {0.3}; }, "/learning_exponent",
+       "expected a number"},
+      {"variants make too many trials",
+       [](Json& j) {
+         std::vector<int> starts(100);
+         std::iota(starts.begin(), starts.end(), 0);
+         j["start_orientation_deg"] = starts;
+       },
+       "/participants", "gives a plan of 384000 trials"},
       {"name is a number", [](Json& j) { j["name"] = 1; }, "/name", "expected a text"},
       {"name is empty", [](Json& j) { j["name"] = ""; }, "/name", "expected a text"},
       {"name has a control character", [](Json& j) { j["name"] = "a\x1b[2J"; }, "/name",
@@ -413,7 +499,11 @@ TEST(TrialsFile, RestoresEveryRowToTheBit) {
                .object = "O4",
                .attempt = 2,
                .status = TrialStatus::kFault,
-               .measures = {}};
+               .measures = {},
+               .view = "still",
+               .align = "forward",
+               .start_orientation_deg = -0.1,
+               .scale = 1.0 / 3.0};
   for (std::size_t i = 0; i < kPlainMeasureCount; ++i) {
     if (i % 5 != 4) row.measures[i] = std::ldexp(1.0 / 3.0 + static_cast<double>(i), -60);
   }
@@ -432,6 +522,10 @@ TEST(TrialsFile, RestoresEveryRowToTheBit) {
   EXPECT_EQ(read.attempt, row.attempt);
   EXPECT_EQ(read.status, row.status);
   EXPECT_EQ(read.measures, row.measures);
+  EXPECT_EQ(read.view, row.view);
+  EXPECT_EQ(read.align, row.align);
+  EXPECT_EQ(read.start_orientation_deg, row.start_orientation_deg);
+  EXPECT_EQ(read.scale, row.scale);
   CsvLines again(trials_columns());
   add_row(again, read);
   EXPECT_EQ(again.text(), lines.text());
@@ -445,7 +539,11 @@ TEST(TrialsFile, ColumnsDescribeEveryColumn) {
   EXPECT_TRUE(text.starts_with("name,unit,meaning,paper\nfollowing,"));
   EXPECT_TRUE(trials_columns().starts_with(
       "following,participant,block,trial,haptic,rotation,object,attempt,status,total_time_s,"));
-  EXPECT_TRUE(trials_columns().ends_with(",missed_deadlines"));
+  EXPECT_TRUE(
+      trials_columns().ends_with(",missed_deadlines,view,align,start_orientation_deg,scale"));
+  // With strategies, the last columns are the same.
+  EXPECT_TRUE(trials_columns(TrialColumns::kStrategies)
+                  .ends_with(",strategy,view,align,start_orientation_deg,scale"));
 }
 
 TEST(BrokenInputs, ATableOfTrialsIsRefusedByLineAndColumn) {
@@ -525,8 +623,35 @@ TEST(BrokenInputs, ATableWithAnUnknownFollowingIsRefused) {
   const auto rows = parse_trials(
       "following,participant,block,haptic,rotation,object,status\nlazy,1,1,H,R,O1,done\n", "t.csv");
   ASSERT_FALSE(rows.ok());
-  expect_error(rows.error(), "line 2, column following", "delayed, predict, replan or frozen",
-               "t.csv");
+  expect_error(rows.error(), "line 2, column following",
+               "delayed, predict, replan, frozen, adapts-0, adapts-0.5 or adapts-1", "t.csv");
+}
+
+// An empty field of the last columns stands for what the paper did.
+TEST(TrialsFile, ReadsTheLevelsOfAPlan) {
+  const std::string names =
+      "participant,block,haptic,rotation,object,status,view,align,start_orientation_deg,scale\n";
+  const auto rows = parse_trials(
+      names + "1,1,H,R,O1,done,,,,\n1,1,H,R,O1,done,still,forward,-144,0.5\n", "t.csv");
+  ASSERT_TRUE(rows.ok()) << rows.error().to_string();
+  EXPECT_EQ(rows->front().view, "turning");
+  EXPECT_EQ(rows->front().align, "nearest");
+  EXPECT_EQ(rows->front().start_orientation_deg, 0.0);
+  EXPECT_EQ(rows->front().scale, 1.0);
+  EXPECT_EQ(rows->back().start_orientation_deg, -144.0);
+  const std::vector<std::array<std::string, 3>> broken = {
+      {"wide,,,", "view", "turning or still"},
+      {",backward,,", "align", "nearest or forward"},
+      {",,north,", "start_orientation_deg", "a number from -360 to 360"},
+      {",,nan,", "start_orientation_deg", "a number from -360 to 360"},
+      {",,,0", "scale", "above 0"},
+      {",,,large", "scale", "above 0"}};
+  for (const auto& [levels, column, expected] : broken) {
+    const auto refused = parse_trials(names + "1,1,H,R,O1,done," + levels + "\n", "t.csv");
+    ASSERT_FALSE(refused.ok()) << levels;
+    expect_error(refused.error(), "line 2, column " + column, expected, "t.csv");
+    EXPECT_NE(refused.error().hint.find("another meaning"), std::string::npos);
+  }
 }
 
 TEST(BrokenInputs, AFileThatCannotBeReadIsRefusedByName) {

@@ -15,6 +15,7 @@
 
 #include "engine/experiment/contour_place.h"
 #include "engine/experiment/operator_hand.h"
+#include "engine/experiment/seen_picture.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/simulation/intention_wander.h"
 #include "haptics/record_vectors.h"
@@ -29,6 +30,7 @@ namespace {
 using test::kPaperObjects;
 using test::prepared_model;
 using test::PreparedObject;
+using test::Random;
 
 // A person whose hand does not shake.
 OperatorParameters steady_person() {
@@ -255,6 +257,134 @@ TEST(OperatorHand, CorrectsADisplacedHandAfterItsDelay) {
   }
 }
 
+// A random pose of a device with two sensors: turned about A3.
+ScenePose random_planar_pose(Random& random) {
+  const double turn_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
+  return {Quat(Eigen::AngleAxisd(turn_rad, Vec3::UnitZ())), 0.3 * random.unit_vector()};
+}
+
+Eigen::Matrix4d matrix_of(const ScenePose& pose) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix();
+  m.topRightCorner<3, 1>() = pose.translation_m;
+  return m;
+}
+
+constexpr double kSize_m = 0.2;  // of a scene
+
+TEST(StillPicture, IsTheTurningOneMappedBackByThePose) {
+  Random random(2301);
+  for (int i = 0; i < 10'000; ++i) {
+    const ScenePose first = random_planar_pose(random);
+    const ScenePose now = random_planar_pose(random);
+    const SeenPicture turning{now, now.point(kSize_m * random.unit_vector()),
+                              now.point(kSize_m * random.unit_vector())};
+    const SeenPicture still = still_picture(turning, first);
+    const Eigen::Matrix4d back = matrix_of(first) * matrix_of(now).inverse();
+    const auto mapped = [&](const Vec3& p_m) { return Vec3((back * p_m.homogeneous()).head<3>()); };
+    ASSERT_LE((still.proxy_m - mapped(turning.proxy_m)).norm(), 1e-12 * kSize_m);
+    ASSERT_LE((still.device_m - mapped(turning.device_m)).norm(), 1e-12 * kSize_m);
+    // The scene keeps its first pose.
+    const Vec3 p_scene_m = kSize_m * random.unit_vector();
+    ASSERT_EQ(still.T_picture_scene.point(p_scene_m), first.point(p_scene_m));
+    ASSERT_LE((first.point(p_scene_m) - mapped(now.point(p_scene_m))).norm(), 1e-12 * kSize_m);
+    // Nothing has turned: the same bits.
+    const SeenPicture same = still_picture(turning, now);
+    ASSERT_EQ(same.proxy_m, turning.proxy_m);
+    ASSERT_EQ(same.device_m, turning.device_m);
+  }
+}
+
+TEST(AdaptedPose, HasTheTurnThatThePersonAdaptsTo) {
+  Random random(2302);
+  for (int i = 0; i < 10'000; ++i) {
+    const ScenePose first = random_planar_pose(random);
+    const double turn_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
+    const Vec3 pivot_m = kSize_m * random.unit_vector();
+    const ScenePose now = turned_about(first, pivot_m, {Vec3::UnitZ(), turn_rad});
+    ASSERT_NEAR(turn_since_rad(first, now), turn_rad, 1e-14);
+    const Vec3 seen_m = kSize_m * random.unit_vector();
+    const Vec3 felt_m = now.point(seen_m);
+    for (const double share : {0.0, 0.5, 1.0}) {
+      const ScenePose pose = adapted_pose(first, now, seen_m, felt_m, share);
+      ASSERT_LE((pose.point(seen_m) - felt_m).norm(), 1e-12 * kSize_m);
+      const Vec3 v = random.unit_vector();
+      const Vec3 expected = Eigen::AngleAxisd(share * turn_rad, Vec3::UnitZ()) * first.direction(v);
+      ASSERT_LE((pose.direction(v) - expected).norm(), 1e-14);
+      if (share < 1.0) continue;
+      const Vec3 p_m = kSize_m * random.unit_vector();
+      ASSERT_LE((pose.point(p_m) - now.point(p_m)).norm(), 1e-12 * kSize_m);
+    }
+    ASSERT_TRUE(is_same_pose(adapted_pose(now, now, seen_m, felt_m, 0.5), now));
+  }
+}
+
+TEST(AdaptedPose, TakesHalfATurnForPositive) {
+  const ScenePose first;
+  for (const double sign : {1.0, -1.0}) {
+    const ScenePose now{Quat(0.0, 0.0, 0.0, sign), Vec3::Zero()};
+    EXPECT_EQ(turn_since_rad(first, now), std::numbers::pi);
+  }
+}
+
+// The scene turns about the proxy, as A4 turns it, once round and more. A person who adapts wholly
+// aims where a person aims who sees the scene turn.
+TEST(OperatorHand, ThatAdaptsWhollyBelievesInTheTurningPose) {
+  const PreparedObject& p = prepared_model("star");
+  OperatorParameters person = steady_person();
+  person.speed_m_per_s = 0.0;
+  OperatorHand turning(p.way, person, Following::kDelayed, {}, 0.0);
+  OperatorHand adapting(p.way, person, Following::kAdaptsWhole, {}, 0.0);
+  const std::size_t leg = leg_at(p.way.path.lengths_m(), p.way.green_along_m);
+  const Vec3 inward = p.way.path.points[leg].inward;
+  const Vec3 goal_m = p.way.green_m + 0.5 * person.press_depth_m * inward;
+  ScenePose pose = p.setup.haptics.initial_pose;
+  TickRecord record;
+  record.contact = 1;
+  for (int n = 0; n < 10'000; ++n) {
+    put(p.way.green_m, record.proxy_scene_m);
+    put(pose.point(goal_m), record.device_m);
+    const HandTarget seen = turning.target(1e-3 * n, pose, record);
+    const HandTarget adapted = adapting.target(1e-3 * n, pose, record);
+    ASSERT_LE((seen.position_m - adapted.position_m).norm(), 1e-12 * kSize_m) << n;
+    pose = turned_about(pose, p.way.green_m, {Vec3::UnitZ(), 1e-3});
+  }
+}
+
+// The hand stands still at a wall while the scene turns under it by 40 deg. A target that is ahead
+// of the hand in the scene is ahead of it in the direction of the first pose.
+TEST(OperatorHand, ThatDoesNotAdaptMovesInTheFirstDirection) {
+  const PreparedObject& p = prepared_model("star");
+  OperatorParameters person = steady_person();
+  person.speed_m_per_s = 0.0;
+  const std::size_t leg = leg_at(p.way.path.lengths_m(), p.way.green_along_m);
+  const Vec3 inward = p.way.path.points[leg].inward;
+  const Vec3 goal_m = p.way.green_m + 0.5 * person.press_depth_m * inward;
+  for (const auto& [following, share] :
+       {std::pair(Following::kAdaptsNone, 0.0), std::pair(Following::kAdaptsHalf, 0.5),
+        std::pair(Following::kAdaptsWhole, 1.0)}) {
+    OperatorHand hand(p.way, person, following, {}, 0.0);
+    const ScenePose first = p.setup.haptics.initial_pose;
+    const double turn_rad = 40.0 * std::numbers::pi / 180.0;
+    const ScenePose now = turned_about(first, p.way.green_m, {Vec3::UnitZ(), turn_rad});
+    TickRecord record;
+    record.contact = 1;
+    HandTarget target;
+    for (int n = 0; n < 3000; ++n) {
+      const ScenePose& pose = n < 1000 ? first : now;
+      put(p.way.green_m, record.proxy_scene_m);
+      put(pose.point(goal_m), record.device_m);
+      target = hand.target(1e-3 * n, pose, record);
+    }
+    const Vec3 felt_m = now.point(goal_m);
+    const Vec3 ahead_m = target.position_m - felt_m;
+    // In the coordinates of the believed pose the aim is D inside the wall at the green sphere,
+    // with a correction along the wall.
+    const Vec3 wall = Eigen::AngleAxisd(share * turn_rad, Vec3::UnitZ()) * first.direction(inward);
+    EXPECT_NEAR(ahead_m.dot(wall), 0.5 * person.press_depth_m, 1e-9);
+  }
+}
+
 // The outcome as trials.csv writes it, but for the name of the following.
 std::string row_of(const TrialOutcome& outcome) {
   CsvLines lines("");
@@ -279,7 +409,8 @@ TEST(Trial, GivesTheSameRowAgainAndForEachFollowingIfTheSceneDoesNotTurn) {
     SCOPED_TRACE(std::string(c.object) + ", seed " + std::to_string(conditions.noise_seed));
     const TrialOutcome first = run(c.object, shaking_person(), conditions);
     for (const Following following :
-         {Following::kDelayed, Following::kPredict, Following::kReplan, Following::kFrozen}) {
+         {Following::kDelayed, Following::kPredict, Following::kReplan, Following::kFrozen,
+          Following::kAdaptsNone, Following::kAdaptsHalf, Following::kAdaptsWhole}) {
       conditions.following = following;
       const TrialOutcome again = run(c.object, shaking_person(), conditions);
       EXPECT_EQ(again.ticks, first.ticks);
