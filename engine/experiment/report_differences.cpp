@@ -45,7 +45,7 @@ std::string differences_table(const ExperimentAnalysis& analysis) {
   const std::vector<Outcome> outcomes = outcomes_of(analysis.differences);
   std::vector<std::string> heads = {"difference", "condition"};
   for (const Outcome outcome : outcomes) heads.push_back(html_escaped(outcome_heading(outcome)));
-  HtmlTable table(heads);
+  HtmlTable table(heads, 2);
   // A row for each pair and condition, in the order in which they first occur.
   using RowKey = std::pair<std::string, std::string>;
   std::vector<RowKey> rows;
@@ -97,9 +97,11 @@ std::string differences_html(const ExperimentAnalysis& analysis) {
     out += html_element("p",
                         "Whether the turning view helps hangs on one assumption: how far a person "
                         "adapts to a hand that moves in another direction than its picture. A "
-                        "simulated person who adapts wholly (adapts-1) believes what one believes "
-                        "who sees the scene turn (delayed); the difference between these two is "
-                        "rounding. The other two show what less adaptation costs.") +
+                        "simulated person who adapts wholly (adapts-1) has the belief of one who "
+                        "sees the scene turn (delayed), but for rounding; their trials part in the "
+                        "end, because a person decides at thresholds, and their mean differences "
+                        "show how much of a difference is chance. The other two persons show what "
+                        "less adaptation costs.") +
            "\n";
   }
   return out + differences_table(analysis) + "</section>\n";
