@@ -159,6 +159,32 @@ TEST(RecordingCommand, AnswersWhatIf) {
   expect_one_line(run_program(folder, {"replay", kRecordedStar}), "--trajectory");
 }
 
+// A recording states the rule of alignment, so that its replay turns the same way round.
+TEST(RecordingCommand, ARunThatAlignsForwardReplaysToTheBit) {
+  const TemporaryFolder folder;
+  auto forward = recorded_run("a.palpate");
+  forward.insert(forward.end(), {"--align", "forward"});
+  record(folder, forward);
+  EXPECT_EQ(run_program(folder, {"replay", "a.palpate"}).exit_code, 0);
+  const Outcome same = run_program(folder, {"replay", "a.palpate", "--align", "forward", "--json"});
+  ASSERT_EQ(same.exit_code, 0) << same.err;
+  auto json = nlohmann::json::parse(same.out);
+  const auto angle = [&](const char* which) {
+    return json[which]["mean_contact_angle_deg"].get<double>();
+  };
+  EXPECT_EQ(angle("recorded"), angle("what_if"));
+  const Outcome nearest =
+      run_program(folder, {"replay", "a.palpate", "--align", "nearest", "--json"});
+  ASSERT_EQ(nearest.exit_code, 0) << nearest.err;
+  json = nlohmann::json::parse(nearest.out);
+  EXPECT_NE(angle("recorded"), angle("what_if"));
+  // A recording with two motors has no such question.
+  auto two = recorded_run("b.palpate");
+  two.insert(two.end(), {"--sensors", "2", "--actuators", "2"});
+  record(folder, two);
+  expect_one_line(run_program(folder, {"replay", "b.palpate", "--align", "forward"}), "--align");
+}
+
 TEST(RecordingCommand, WhatIfWithTheFullForceHasAllMotors) {
   const TemporaryFolder folder;
   record(folder, recorded_run("a.palpate", "off"));
