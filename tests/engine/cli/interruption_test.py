@@ -23,8 +23,8 @@ import time
 
 SEED = int(os.environ.get("PALPATE_SEED", "20"))
 
-# Interruptions of each kind of run by a signal before its end.
-INTERRUPTIONS = 20
+# Interruptions of each kind of run by a signal before its end; more with PALPATE_SOAK.
+INTERRUPTIONS = 40 if os.environ.get("PALPATE_SOAK") else 10
 
 DONE = (0, 3)  # exit codes; 3: not comparable
 
