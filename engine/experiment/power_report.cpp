@@ -25,13 +25,21 @@ constexpr std::string_view kPowerStyle = R"css(
 .advice ul { margin: .2rem 0; padding-left: 1.2rem; }
 details > summary { cursor: pointer; color: #0057a3; margin: .8rem 0; }
 h4 { font-size: .95rem; margin: 1rem 0 .2rem; }
-.power td { white-space: nowrap; }
+.power td, .power .interval { white-space: nowrap; }
 .power td.verdict { min-width: 0; white-space: normal; }
 @media (max-width: 800px) { .power td.number { white-space: normal; } }
 )css";
 
 std::string power_note(const std::string& text) {
   return html_element("p class=\"note\"", html_escaped(text)) + "\n";
+}
+
+// The interval of a power, in parentheses, stays on one line of a narrow screen.
+std::string power_cell(const std::string& text) {
+  const std::size_t interval = text.find('(');
+  if (interval == std::string::npos) return html_escaped(text);
+  return html_escaped(text.substr(0, interval)) +
+         html_element("span class=\"interval\"", html_escaped(text.substr(interval)));
 }
 
 std::string answer_table(const PowerStudy& study) {
@@ -44,7 +52,7 @@ std::string answer_table(const PowerStudy& study) {
   for (const PowerLine& line : power_lines(study)) {
     std::vector<std::string> cells = {html_escaped(line.test)};
     for (const std::string& people : line.people) cells.push_back(html_escaped(people));
-    cells.push_back(html_escaped(line.power));
+    cells.push_back(power_cell(line.power));
     table.row(cells);
   }
   return table.html();
@@ -85,7 +93,9 @@ std::string power_figures_html(const PowerStudy& study, std::vector<std::string>
   std::string caption =
       "Power over the number of people. Bands: 95 % interval (Wilson) of the simulated share; "
       "dotted lines: 0.8 and 0.9.";
-  if (drawn.size() > 2) {
+  if (drawn.size() == 2) {
+    caption += " The panels of pairs have the assumption with the most noise.";
+  } else if (drawn.size() > 2) {
     caption += " Three of the " + std::to_string(study.assumptions.size()) +
                " assumptions: with the least, a middle and the most noise. The panels of pairs "
                "have the middle one: " +

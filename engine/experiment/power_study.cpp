@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/experiment/paper_findings.h"
 #include "engine/experiment/statistics_text.h"
 #include "engine/experiment/strict_json.h"
 #include "geometry/base/printable.h"
@@ -255,6 +256,9 @@ void add_effect_notes(const PowerStudy& study, std::vector<std::string>& notes) 
       "The effects are the paper's means at the levels of Haptic and of Rotation. "
       "It states no means of their combinations: that the two add up, without an "
       "interaction, is an assumption.");
+  if (paper_f(study.measure->outcome, {kHapticFactor, kRotationFactor})->p.empty()) {
+    notes.emplace_back("The paper found an interaction in this measure, which these effects lack.");
+  }
 }
 
 void add_error_notes(const PowerStudy& study, std::vector<std::string>& notes) {
