@@ -60,7 +60,7 @@ std::vector<PilotLine> pilot_lines(const std::string& following = "") {
   return lines;
 }
 
-std::string csv_of(const std::vector<PilotLine>& lines) {
+std::string pilot_csv(const std::vector<PilotLine>& lines) {
   std::string text = kHead;
   for (const PilotLine& line : lines) {
     text += line.following + ",P" + std::to_string(line.person) + "," + std::to_string(line.block) +
@@ -71,15 +71,15 @@ std::string csv_of(const std::vector<PilotLine>& lines) {
 }
 
 // The lines for which `keeps` is true.
-std::string csv_with(const std::function<bool(const PilotLine&)>& keeps) {
+std::string pilot_csv_with(const std::function<bool(const PilotLine&)>& keeps) {
   std::vector<PilotLine> lines = pilot_lines();
   std::erase_if(lines, [&](const PilotLine& line) { return !keeps(line); });
-  return csv_of(lines);
+  return pilot_csv(lines);
 }
 
 class ExperimentPowerTest : public testing::Test {
  protected:
-  ExperimentPowerTest() { folder.write("pilot.csv", csv_of(pilot_lines())); }
+  ExperimentPowerTest() { folder.write("pilot.csv", pilot_csv(pilot_lines())); }
 
   test::Outcome call(const Arguments& more) const {
     Arguments arguments{"experiment", "power"};
@@ -188,7 +188,8 @@ TEST_F(ExperimentPowerTest, PilotMayHaveMissingTrialsAndSeveralFollowings) {
   auto lines = pilot_lines("delayed");
   lines[30].status = "timeout";
   std::erase_if(lines, [](const PilotLine& line) { return line.person == 2 && line.block == 2; });
-  folder.write("both.csv", csv_of(lines) + csv_of(pilot_lines()).substr(std::string(kHead).size()));
+  folder.write("both.csv",
+               pilot_csv(lines) + pilot_csv(pilot_lines()).substr(std::string(kHead).size()));
   for (const auto& [name, trials] : {std::pair("delayed", 59), std::pair("people", 72)}) {
     const test::Outcome o =
         quick({"--pilot", "both.csv", "--following", name, "--out", std::string("out-") + name});
@@ -230,7 +231,8 @@ TEST_F(ExperimentPowerTest, RefusesBadOptionsInOneLine) {
   expect_refused({"--measure", "angle", "--effect", five + ",H-R=28"},
                  {"--effect: has the part \"NoH-NoR=29\"", "each of UaH-NoR, UaH-R"});
   for (const char* const sd : {"0", "-1", "nan", "ten", "1e10"}) {
-    expect_refused({"--error", sd}, {"--error", "expected a finite number from 0 to 1e+09"});
+    expect_refused({"--error", sd},
+                   {"--error", "expected a finite number above 0 and at most 1e+09"});
   }
   for (const char* const share : {"-0.1", "1.1", "30%", "nan"}) {
     expect_refused({"--share-u", share}, {"--share-u", "expected a finite number from 0 to 1"});
@@ -266,37 +268,37 @@ TEST_F(ExperimentPowerTest, RefusesBadPilotsInOneLine) {
   expect_pilot_refused("", {"is empty"});
   expect_pilot_refused(kHead, {"has no trial"});
   expect_pilot_refused("participant;block\n", {"column participant: is missing", "semicolons"});
-  expect_pilot_refused(csv_of(pilot_lines()) + ",P1,1,NoH,NoR,O1,done,nan\n", {"line ", "nan"});
-  expect_pilot_refused(csv_of(pilot_lines()) + ",P1,1,NoH,NoR,O1,done,7\n", {"line ", "again"});
+  expect_pilot_refused(pilot_csv(pilot_lines()) + ",P1,1,NoH,NoR,O1,done,nan\n", {"line ", "nan"});
+  expect_pilot_refused(pilot_csv(pilot_lines()) + ",P1,1,NoH,NoR,O1,done,7\n", {"line ", "again"});
   expect_pilot_refused(
-      csv_of(pilot_lines("delayed")) + ",P1,1,NoH,NoR,O1,done,7\n",
+      pilot_csv(pilot_lines("delayed")) + ",P1,1,NoH,NoR,O1,done,7\n",
       {"column following: has trials of 2 kinds", "--following: delayed or people"});
-  expect_pilot_refused(csv_with([](const PilotLine& line) { return line.block == 0; }),
+  expect_pilot_refused(pilot_csv_with([](const PilotLine& line) { return line.block == 0; }),
                        {"participant: has 0 levels beside practice"});
-  expect_pilot_refused(csv_with([](const PilotLine& line) { return line.person == 1; }),
+  expect_pilot_refused(pilot_csv_with([](const PilotLine& line) { return line.person == 1; }),
                        {"participant: has 1 level"});
-  expect_pilot_refused(csv_with([](const PilotLine& line) { return line.haptic != "UaH"; }),
+  expect_pilot_refused(pilot_csv_with([](const PilotLine& line) { return line.haptic != "UaH"; }),
                        {"column haptic: has no trial of UaH", "--share-u"});
-  expect_pilot_refused(csv_with([](const PilotLine& line) { return line.rotation == "NoR"; }),
+  expect_pilot_refused(pilot_csv_with([](const PilotLine& line) { return line.rotation == "NoR"; }),
                        {"column rotation: has no trial of R"});
-  expect_pilot_refused(csv_with([](const PilotLine& line) {
+  expect_pilot_refused(pilot_csv_with([](const PilotLine& line) {
                          return line.person == 1 || line.haptic != "H" || line.rotation != "R";
                        }),
                        {"column participant: has 1 participant with a completed trial in each of 6",
                         "P2 lacks H-R"});
   expect_pilot_refused(
-      csv_with([](const PilotLine& line) { return line.block == 1 && line.object == "O1"; }),
+      pilot_csv_with([](const PilotLine& line) { return line.block == 1 && line.object == "O1"; }),
       {"columns object and block: have one trial"});
   // P1 did one object in a condition, the others the other one.
-  expect_pilot_refused(csv_with([](const PilotLine& line) {
+  expect_pilot_refused(pilot_csv_with([](const PilotLine& line) {
                          return line.haptic != "NoH" || (line.person == 1) == (line.object == "O1");
                        }),
                        {"condition NoH-NoR: has participants whose objects and blocks no other"});
   auto lines = pilot_lines();
   for (PilotLine& line : lines) line.time_s = 20.0 + 3.0 * line.person;
-  expect_pilot_refused(csv_of(lines), {"column total_time_s: does not vary"});
+  expect_pilot_refused(pilot_csv(lines), {"column total_time_s: does not vary"});
   for (PilotLine& line : lines) line.status = "timeout";
-  expect_pilot_refused(csv_of(lines), {"column total_time_s: has no value"});
+  expect_pilot_refused(pilot_csv(lines), {"column total_time_s: has no value"});
   const std::string with_strategy =
       "participant,block,haptic,rotation,object,status,strategy\n"
       "1,1,,,O1,done,a4\n2,1,,,O1,done,a4\n";
