@@ -27,7 +27,11 @@ details > summary { cursor: pointer; color: #0057a3; margin: .8rem 0; }
 h4 { font-size: .95rem; margin: 1rem 0 .2rem; }
 .power td, .power .interval { white-space: nowrap; }
 .power td.verdict { min-width: 0; white-space: normal; }
-@media (max-width: 800px) { .power td.number { white-space: normal; } }
+@media (max-width: 800px) {
+  .power td.number { white-space: normal; }
+  .power .interval { font-size: .8em; letter-spacing: -.02em; }
+  #answer { padding: .1rem .5rem .6rem; }
+}
 )css";
 
 std::string power_note(const std::string& text) {
