@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "engine/experiment/comparisons.h"
@@ -522,6 +523,52 @@ TEST(PowerPilot, MeanSquaresAreThoseOfTheAnalysisOfVariance) {
   EXPECT_NEAR(found.raw.u, (ms_p - ms_pc) / (k * m), 1e-9 * ms_p);
   EXPECT_NEAR(found.means[2], condition[2], 1e-9);
   EXPECT_EQ(found.df_pc, (n - 1) * (k - 1));
+}
+
+// With missing trials: a regression on columns of participants and, with the sum 0, of objects and
+// blocks gives the means of the participants in each condition, and their covariance.
+TEST(PowerPilot, MissingTrialsAreAdjustedForByLeastSquares) {
+  Random random(23007);
+  constexpr int n = 4, k = 6, items = 4;
+  auto rows = pilot_trials({n, 2, 2, {4.0, 3.0, 2.0}, 6.0}, random);
+  for (std::size_t i = 0; i < rows.size(); i += 5) rows[i].status = TrialStatus::kTimeout;
+  Eigen::MatrixXd cells(n, k);
+  double residual_ss = 0.0, mean_scatter = 0.0;
+  int df = 0;
+  for (int c = 0; c < k; ++c) {
+    Eigen::MatrixXd x = Eigen::MatrixXd::Zero(n * items, n + items - 1);
+    Eigen::VectorXd y(n * items);
+    Eigen::Index count = 0;
+    for (int p = 0; p < n; ++p) {
+      for (int item = 0; item < items; ++item) {
+        const TrialRow& row = rows[static_cast<std::size_t>((p * k + c) * items + item)];
+        if (row.status != TrialStatus::kDone) continue;
+        x(count, p) = 1.0;
+        if (item + 1 < items) x(count, n + item) = 1.0;
+        if (item + 1 == items) x.row(count).tail(items - 1).setConstant(-1.0);
+        y(count++) = *row.measures[kTotalTime];
+      }
+    }
+    const Eigen::MatrixXd of_done = x.topRows(count);
+    const Eigen::MatrixXd inverse = (of_done.transpose() * of_done).inverse();
+    const Eigen::VectorXd fitted = inverse * (of_done.transpose() * y.head(count));
+    cells.col(c) = fitted.head(n);
+    residual_ss += (y.head(count) - of_done * fitted).squaredNorm();
+    df += static_cast<int>(count) - (n + items - 1);
+    const Eigen::MatrixXd covariance = inverse.topLeftCorner(n, n);
+    mean_scatter += covariance.trace() - covariance.sum() / n;
+  }
+  const double m = k * (n - 1) / mean_scatter;
+  const Eigen::MatrixXd centred = cells.rowwise() - cells.colwise().mean();
+  const double ss_p = m * k * centred.rowwise().mean().squaredNorm();
+  const double ss_pc = m * (centred.colwise() - centred.rowwise().mean()).squaredNorm();
+  const PilotEstimate found = estimate_of(rows);
+  EXPECT_LT(m, 3.5);
+  EXPECT_NEAR(found.m, m, 1e-9 * m);
+  EXPECT_EQ(found.df_e, df);
+  EXPECT_NEAR(found.ms_e, residual_ss / df, 1e-9 * residual_ss);
+  EXPECT_NEAR(found.ms_pc, ss_pc / ((n - 1) * (k - 1)), 1e-9 * ss_pc);
+  EXPECT_NEAR(found.ms_p, ss_p / (n - 1), 1e-9 * ss_p);
 }
 
 // Practice counts for nothing, and a participant without one condition is left out by name.
