@@ -25,7 +25,7 @@ constexpr std::string_view kPowerStyle = R"css(
 .advice ul { margin: .2rem 0; padding-left: 1.2rem; }
 details > summary { cursor: pointer; color: #0057a3; margin: .8rem 0; }
 h4 { font-size: .95rem; margin: 1rem 0 .2rem; }
-.power td, .power .interval { white-space: nowrap; }
+.power td, .power .interval, .power .spread { white-space: nowrap; }
 .power td.verdict { min-width: 0; white-space: normal; }
 @media (max-width: 800px) {
   .power td.number { white-space: normal; }
@@ -131,9 +131,9 @@ std::string grid_table(const PowerStudy& study, std::size_t test, const std::str
           continue;
         }
         cells.back() =
-            html_escaped(people_text(study, i, test, kPowerPercents[0])) +
+            html_escaped(people_text(study, i, test, kPowerPercents[0])) + " " +
             html_element("span class=\"spread\"",
-                         " / " + html_escaped(people_text(study, i, test, kPowerPercents[1])));
+                         "/ " + html_escaped(people_text(study, i, test, kPowerPercents[1])));
       }
     }
     table.row(cells);

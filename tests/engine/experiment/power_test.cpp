@@ -6,7 +6,6 @@
 #include <boost/math/distributions/non_central_t.hpp>
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -23,7 +22,6 @@
 #include "engine/experiment/power_run.h"
 #include "engine/experiment/power_study.h"
 #include "engine/experiment/power_sums.h"
-#include "engine/experiment/power_tables.h"
 #include "engine/experiment/primary_analysis.h"
 #include "engine/experiment/repeated_measures.h"
 #include "tests/helpers/random.h"
