@@ -75,8 +75,8 @@ Result<ContourAngle> angle_round(const Scene& scene, const Contour& contour_m,
   std::int64_t contacts = 0;
   double sum_rad = 0.0;
   for (std::int64_t k = 0; k < ticks; ++k) {
-    const TickRecord& record =
-        tick(hand.goal_m(static_cast<double>(k) / static_cast<double>(ticks)));
+    const double share = (static_cast<double>(k) + 0.5) / static_cast<double>(ticks);
+    const TickRecord& record = tick(hand.goal_m(share));
     angle.faults |= record.faults;
     if (record.contact == 0) continue;
     ++contacts;

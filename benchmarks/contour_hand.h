@@ -63,7 +63,9 @@ struct ContourAngle {
 
 // Lets the hand go round in ticks of 1 ms, on a device with two sensors and a motor along A1, while
 // A4 turns the scene. In each tick, the device point is the goal, placed in the device frame by the
-// scene's pose after the tick before. The device exerts no force that could displace this hand.
+// scene's pose after the tick before. The goal is that of the middle of the tick; otherwise some
+// corners would lie at the place of a tick, and rounding would decide on which wall the tick is. No
+// force displaces this hand.
 // contour_m: the scene's contour in the plane of the device, scene frame. Returns the errors of
 // make_setup() and check_setup(). Deterministic; thread-safe.
 Result<ContourAngle> angle_round(const Scene& scene, const Contour& contour_m,

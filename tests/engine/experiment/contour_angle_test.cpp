@@ -125,7 +125,7 @@ ContourAngle modelled(const Contour& contour_m, const ContourRound& round) {
   const double ticks = std::round(round.duration_s / kTick_s);
   std::size_t wall = 0;
   for (double tick = 0.0; tick < ticks; ++tick) {
-    const double place_m = tick / ticks * way.length_m;
+    const double place_m = (tick + 0.5) / ticks * way.length_m;
     while (wall + 1 < way.walls.size() && place_m >= way.walls[wall + 1].begin_m) ++wall;
     if (place_m - way.walls[wall].begin_m < way.walls[wall].free_m) {
       rule.lose_contact();
@@ -165,8 +165,12 @@ std::string description(const ContourCase& c) {
          std::to_string(c.round.start_orientation_deg) + " deg";
 }
 
+// The two differ by rounding: the corners in the files are floats, which turns a wall of 25 mm by
+// at most 2e-5 deg, and the model's midpoint steps are wrong by at most 1e-5 deg where they cross
+// 30 deg. A corner after such an error begins with it. The bound is more than 16 corners can add
+// up.
 TEST(HandWithoutDelay, HasTheMeanAngleOfTheOneDimensionalModel) {
-  constexpr double kBound_deg = 0.3;
+  constexpr double kBound_deg = 1e-3;
   ASSERT_EQ(measured().size(), 32u);
   double worst_deg = 0.0;
   std::string worst;
