@@ -267,17 +267,19 @@ int analyse(const ExperimentAnalyseRequest& request) {
 void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
   CLI::App& app = *experiment.add_subcommand(
       "analyse", "compare trials, of people or simulated, with the paper's results");
-  set_help(app,
-           "  ./run.sh experiment plan paper --out plan.json\n"
-           "  ./run.sh experiment run plan.json --out experiment\n"
-           "  ./run.sh experiment analyse experiment/trials.csv --out analysis\n",
-           "report.html states what agrees with the paper and what does not, with figures and all "
-           "statistics.\nanalysis.json has the same numbers for other programs, and effects.csv, "
-           "comparisons.csv, means.csv,\nmissing_trials.csv and findings.csv have them as "
-           "tables.\n\n"
-           "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
-           "(NoR, R),\nobject, status (done, timeout, fault), total_time_s, losses_of_contact and "
-           "mean_penetration_m or\nmean_penetration_dm; mean_contact_angle_deg is optional.\n");
+  set_help(
+      app,
+      "  ./run.sh experiment plan paper --out plan.json\n"
+      "  ./run.sh experiment run plan.json --out experiment\n"
+      "  ./run.sh experiment analyse experiment/trials.csv --out analysis\n",
+      "report.html states what agrees with the paper and what does not, with figures and all "
+      "statistics.\nanalysis.json has the same numbers for other programs, and effects.csv, "
+      "comparisons.csv, means.csv,\nmissing_trials.csv, findings.csv and differences.csv have them "
+      "as tables. Trials with several levels of\nview, align, start orientation or scale are "
+      "analysed separately, and compared in differences.csv.\n\n"
+      "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
+      "(NoR, R),\nobject, status (done, timeout, fault), total_time_s, losses_of_contact and "
+      "mean_penetration_m or\nmean_penetration_dm; mean_contact_angle_deg is optional.\n");
   app.add_option("TRIALS", request.source.file,
                  "file of trials, as `experiment run` writes it (trials.csv)")
       ->required();

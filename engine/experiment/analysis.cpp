@@ -1,6 +1,8 @@
 #include "engine/experiment/analysis.h"
 
 #include <algorithm>
+#include <cctype>
+#include <set>
 #include <utility>
 
 #include "engine/experiment/statistics_text.h"
@@ -25,9 +27,7 @@ std::optional<double> constant_value(const TrialTable& table, Outcome outcome) {
 }
 
 Error in_following(Error error, const TrialTable& table) {
-  if (!table.following().empty()) {
-    error.element = "following " + table.following() + ", " + error.element;
-  }
+  error.element = table.whose() + error.element;
   return error;
 }
 
@@ -119,7 +119,22 @@ Result<OperatorAnalysis> analyse_table(TrialTable table) {
 }  // namespace
 
 std::string OperatorAnalysis::name() const {
+  TrialVariant plain;
+  if (is_simulated()) plain.view = table.variant().view;  // the following names it
+  const std::string variant = variant_name(table.variant(), plain);
+  return following() + (variant.empty() ? "" : ", " + variant);
+}
+
+std::string OperatorAnalysis::following() const {
   return is_simulated() ? table.following() : "people";
+}
+
+std::string OperatorAnalysis::anchor() const {
+  std::string text = name();
+  for (char& c : text) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.') c = '-';
+  }
+  return text;
 }
 
 const PrimaryAnalysis* OperatorAnalysis::primary_of(Outcome outcome) const {
@@ -132,6 +147,12 @@ const PrimaryAnalysis* OperatorAnalysis::primary_of(Outcome outcome) const {
 bool ExperimentAnalysis::has_simulated() const {
   return std::any_of(operators.begin(), operators.end(),
                      [](const OperatorAnalysis& analysis) { return analysis.is_simulated(); });
+}
+
+int ExperimentAnalysis::variants() const {
+  std::set<TrialVariant> found;
+  for (const OperatorAnalysis& each : operators) found.insert(each.table.variant());
+  return static_cast<int>(found.size());
 }
 
 bool ExperimentAnalysis::has_people() const {
@@ -148,6 +169,9 @@ Result<ExperimentAnalysis> analyse_trials(std::vector<TrialRow> rows, double lim
     if (!of_operator) return of_operator.error();
     analysis.operators.push_back(std::move(*of_operator));
   }
+  std::vector<const TrialTable*> of_operators;
+  for (const OperatorAnalysis& each : analysis.operators) of_operators.push_back(&each.table);
+  analysis.differences = variant_differences(of_operators);
   const bool any_paper =
       std::any_of(analysis.operators.begin(), analysis.operators.end(),
                   [](const OperatorAnalysis& each) { return each.paper.has_value(); });

@@ -2,7 +2,7 @@
 
 // Analyses the trials of an experiment, by people or by simulated operators, in two ways: as the
 // paper did, and by repeated measures, which is the primary analysis. The trials of each following
-// (operator_parameters.h) are analysed separately.
+// (operator_parameters.h) and of each variant (trial_variant.h) are analysed separately.
 
 #include <optional>
 #include <string>
@@ -13,6 +13,7 @@
 #include "engine/experiment/primary_analysis.h"
 #include "engine/experiment/trial_means.h"
 #include "engine/experiment/trial_table.h"
+#include "engine/experiment/variant_differences.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -30,13 +31,19 @@ struct OperatorAnalysis {
   std::vector<std::string> notes;       // what was left out, and why: sentences
 
   bool is_simulated() const { return !table.following().empty(); }
-  // "delayed"; "people"
+  // "delayed"; "people"; "delayed, start 45 deg"
   std::string name() const;
+  // "delayed"; "people"
+  std::string following() const;
+  // name() as an id in a page.
+  std::string anchor() const;
   const PrimaryAnalysis* primary_of(Outcome outcome) const;
 };
 
 struct ExperimentAnalysis {
-  std::vector<OperatorAnalysis> operators;  // at least one, in the order of trial_tables()
+  std::vector<OperatorAnalysis> operators;     // at least one, in the order of trial_tables()
+  std::vector<VariantDifference> differences;  // between operators; none with one variant
+  int variants() const;
   bool has_simulated() const;
   bool has_people() const;
 };

@@ -41,7 +41,7 @@ const std::vector<std::string> kEffectColumns = {"following",
 Row effect_row(const OperatorAnalysis& analysis, std::string_view kind, std::string_view outcome,
                const FactorSet& term) {
   Row row(kEffectColumns.size());
-  row[0] = analysis.name();
+  row[0] = analysis.following();
   row[1] = text_cell(kind);
   row[2] = text_cell(outcome);
   row[3] = effect_name(term);
@@ -150,7 +150,7 @@ void put_plsd(const OperatorAnalysis& analysis, ResultTable& table) {
     const OutcomeText& outcome = outcome_text(anova.outcome);
     for (const PlsdFamily& family : anova.comparisons) {
       for (const PlsdPair& pair : family.pairs) {
-        table.rows.push_back({analysis.name(),
+        table.rows.push_back({analysis.following(),
                               text_cell("plsd"),
                               text_cell(outcome.name),
                               text_cell(outcome.unit),
@@ -174,7 +174,7 @@ void put_paired(const OperatorAnalysis& analysis, const PrimaryAnalysis& primary
   const OutcomeText& outcome = outcome_text(primary.outcome);
   for (const PrimaryFamily& family : primary.families) {
     for (const PrimaryPair& pair : family.pairs) {
-      table.rows.push_back({analysis.name(),
+      table.rows.push_back({analysis.following(),
                             text_cell(primary.only_haptic ? "paired t, UaH" : "paired t"),
                             text_cell(outcome.name),
                             text_cell(outcome.unit),
@@ -203,7 +203,7 @@ Row mean_row(const OperatorAnalysis& analysis, std::string_view of, Outcome outc
   const auto level = [&](int place, ExperimentFactor factor) -> ResultCell {
     return place < 0 ? text_cell("all") : text_cell(analysis.table.levels(factor)[place]);
   };
-  Row row = {analysis.name(),
+  Row row = {analysis.following(),
              text_cell(of),
              text_cell(outcome_text(outcome).name),
              text_cell(outcome_text(outcome).unit),
@@ -268,7 +268,7 @@ Row missing_row(const OperatorAnalysis& analysis, const TrialCounts& counts) {
   const int held = counts.done + counts.timeouts + counts.faults;
   ResultCell share;
   if (held > 0) share = static_cast<double>(counts.timeouts) / held;
-  return {analysis.name(),
+  return {analysis.following(),
           level(counts.at.haptic, kHapticFactor),
           level(counts.at.rotation, kRotationFactor),
           level(counts.at.object, kObjectFactor),
@@ -297,7 +297,7 @@ void put_findings(const ExperimentAnalysis& all, const OperatorAnalysis& analysi
   for (std::size_t i = 0; i < analysis.findings.size(); ++i) {
     const PaperFinding& finding = paper_findings()[i];
     const FindingResult& result = analysis.findings[i];
-    Row row = {analysis.name(),
+    Row row = {analysis.following(),
                finding.name,
                finding.statement,
                finding.printed,
@@ -310,9 +310,58 @@ void put_findings(const ExperimentAnalysis& all, const OperatorAnalysis& analysi
   }
 }
 
+// Differences between variants
+
+const std::vector<std::string> kDifferenceColumns = {"following",
+                                                     "view",
+                                                     "align",
+                                                     "start_orientation_deg",
+                                                     "scale",
+                                                     "other_following",
+                                                     "other_view",
+                                                     "other_align",
+                                                     "other_start_orientation_deg",
+                                                     "other_scale",
+                                                     "outcome",
+                                                     "unit",
+                                                     "haptic",
+                                                     "rotation",
+                                                     "difference",
+                                                     "half_width_95",
+                                                     "t",
+                                                     "df",
+                                                     "p",
+                                                     "participants"};
+
+void put_whose(const OperatorAnalysis& analysis, Row& row) {
+  const TrialVariant& variant = analysis.table.variant();
+  row.insert(row.end(), {text_cell(variant.view), text_cell(variant.align),
+                         variant.start_orientation_deg, variant.scale});
+}
+
+void put_differences(const ExperimentAnalysis& analysis, ResultTable& table) {
+  for (const VariantDifference& difference : analysis.differences) {
+    Row row;
+    for (const std::size_t i : {difference.second, difference.first}) {
+      row.push_back(analysis.operators[i].following());
+      put_whose(analysis.operators[i], row);
+    }
+    const OutcomeText& outcome = outcome_text(difference.outcome);
+    const PairedT& test = difference.test;
+    row.insert(row.end(), {text_cell(outcome.name), text_cell(outcome.unit), difference.haptic,
+                           difference.rotation, test.difference, test.half_width, test.t, test.df,
+                           test.p, test.pairs});
+    table.rows.push_back(std::move(row));
+  }
+}
+
 nlohmann::ordered_json operator_json(const OperatorAnalysis& analysis) {
   const TrialTable& table = analysis.table;
-  nlohmann::ordered_json json = {{"following", analysis.name()},
+  nlohmann::ordered_json json = {{"following", analysis.following()},
+                                 {"view", table.variant().view},
+                                 {"align", table.variant().align},
+                                 {"start_orientation_deg", table.variant().start_orientation_deg},
+                                 {"scale", table.variant().scale},
                                  {"simulated", analysis.is_simulated()},
                                  {"participants", table.participants()}};
   for (const ExperimentFactor f : {kHapticFactor, kRotationFactor, kObjectFactor, kTrialFactor}) {
@@ -379,6 +428,9 @@ std::vector<ResultTable> analysis_tables(const ExperimentAnalysis& analysis) {
   for (const auto* columns :
        {&kEffectColumns, &kComparisonColumns, &kMeanColumns, &kMissingColumns, &kFindingColumns}) {
     tables.push_back({std::string(kAnalysisTableNames[tables.size()]), *columns, {}});
+    for (const char* const name : {"view", "align", "start_orientation_deg", "scale"}) {
+      tables.back().columns.emplace_back(name);
+    }
   }
   for (const OperatorAnalysis& each : analysis.operators) {
     put_effects(each, tables[0]);
@@ -391,7 +443,14 @@ std::vector<ResultTable> analysis_tables(const ExperimentAnalysis& analysis) {
       tables[3].rows.push_back(missing_row(each, counts));
     }
     put_findings(analysis, each, tables[4]);
+    for (ResultTable& table : tables) {
+      for (Row& row : table.rows) {
+        if (row.size() < table.columns.size()) put_whose(each, row);
+      }
+    }
   }
+  tables.push_back({std::string(kAnalysisTableNames.back()), kDifferenceColumns, {}});
+  put_differences(analysis, tables.back());
   return tables;
 }
 

@@ -20,10 +20,11 @@ struct TrialSource {
 };
 
 // The names of the tables, which are those of the CSV files, in the order of analysis_tables().
-inline constexpr std::array<std::string_view, 5> kAnalysisTableNames = {
-    "effects", "comparisons", "means", "missing_trials", "findings"};
+inline constexpr std::array<std::string_view, 6> kAnalysisTableNames = {
+    "effects", "comparisons", "means", "missing_trials", "findings", "differences"};
 
-// Every F, every comparison, every mean, the missing trials by condition, and the verdicts.
+// Every F, every comparison, every mean, the missing trials by condition, the verdicts, and the
+// differences between variants, which are none in a file with one variant.
 std::vector<ResultTable> analysis_tables(const ExperimentAnalysis& analysis);
 
 // The tables as one JSON document, which begins with the file, the time limit and the operators.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/experiment/report_differences.h"
 #include "engine/experiment/report_explanations.h"
 #include "engine/experiment/report_operator.h"
 #include "engine/experiment/report_verdicts.h"
@@ -76,11 +77,12 @@ std::string missing_text(const ExperimentAnalysis& analysis) {
          ", " + std::to_string(absent) + " absent)";
 }
 
-// "delayed, predict"
+// "delayed, predict"; "delayed; delayed, start 45 deg"
 std::string names_of(const ExperimentAnalysis& analysis) {
   std::string text;
+  const char* const between = analysis.variants() > 1 ? "; " : ", ";
   for (const OperatorAnalysis& each : analysis.operators) {
-    text += (text.empty() ? "" : ", ") + each.name();
+    text += (text.empty() ? "" : between) + each.name();
   }
   return text;
 }
@@ -107,7 +109,8 @@ std::string facts_html(const ExperimentAnalysis& analysis, const TrialSource& so
       {"Missing trials", missing_text(analysis)},
       {analysis.has_simulated() ? "Operators" : "Participants",
        std::to_string(most_participants(analysis))},
-      {"Followings", analysis.has_simulated() ? names_of(analysis) : ""},
+      {analysis.variants() > 1 ? "Followings and settings" : "Followings",
+       analysis.has_simulated() || analysis.variants() > 1 ? names_of(analysis) : ""},
       {"Blocks", std::to_string(table.level_count(kTrialFactor))},
       {"Time limit", number_or_dash(source.limit_s) + " s"}};
   std::string out = "<section id=\"facts\">\n<h2>What was analysed</h2>\n<dl class=\"facts\">\n";
@@ -165,7 +168,8 @@ std::string experiment_report_html(const ExperimentAnalysis& analysis, const Tri
   for (std::size_t i = 0; i < analysis.operators.size(); ++i) {
     out += operator_html(analysis.operators[i], i == 0, warnings);
   }
-  out += explanations_html(analysis) + facts_html(analysis, source) + "</main>\n";
+  out += differences_html(analysis) + explanations_html(analysis) + facts_html(analysis, source) +
+         "</main>\n";
   return html_page(title, std::string(kReportStyle) + std::string(kExperimentStyle), out);
 }
 

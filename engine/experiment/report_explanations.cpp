@@ -108,7 +108,10 @@ std::string words(bool is_simulated) {
        "it has seen."},
       {"predict", "it turns that picture on at the speed it has seen, for the picture\u2019s age."},
       {"replan", "it holds a seen pose of the scene for a time before it looks again."},
-      {"frozen", "it keeps the pose seen at the last corner or loss of contact."}};
+      {"frozen", "it keeps the pose seen at the last corner or loss of contact."},
+      {"adapts-0, adapts-0.5, adapts-1",
+       "it sees the scene stand still (view still) while its hand moves in another direction than "
+       "the picture. It believes the scene to be turned by none, half or all of the turn."}};
   std::string out = "<h2 id=\"words\">Words</h2>\n<dl class=\"facts\">\n";
   const auto put = [&](const Word& word) {
     out += html_element("dt", word.first) + html_element("dd", word.second) + "\n";

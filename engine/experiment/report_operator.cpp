@@ -49,7 +49,7 @@ class Figures {
   std::string panel(const Result<std::string>& svg, const std::string& id,
                     const std::string& title) {
     const std::string name = title + ", " + whose_trials(analysis_);
-    if (svg) return inline_svg(*svg, analysis_.name() + "-" + id + "-", name);
+    if (svg) return inline_svg(*svg, analysis_.anchor() + "-" + id + "-", name);
     warnings_.push_back(name + ": is not drawn: " + svg.error().to_string());
     return html_element("p class=\"bad\"", html_escaped(title) + ": no diagram: " +
                                                html_escaped(svg.error().to_string())) +
@@ -216,7 +216,7 @@ std::string operator_html(const OperatorAnalysis& analysis, bool leads,
   Figures figures(analysis, warnings);
   std::string title = whose_trials(analysis);
   title[0] = static_cast<char>(title[0] - 'a' + 'A');
-  std::string out = "<section class=\"operator\" id=\"" + analysis.name() + "\">\n" +
+  std::string out = "<section class=\"operator\" id=\"" + analysis.anchor() + "\">\n" +
                     html_element("h2", html_escaped(title)) + "\n" + counts_sentence(analysis) +
                     notes_html(analysis) + figures.figure_6();
   if (analysis.angle_of_uah) {

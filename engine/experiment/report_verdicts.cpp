@@ -133,7 +133,9 @@ std::string evidence_sentence(const ExperimentAnalysis& analysis) {
 }  // namespace
 
 std::string columns_text(const ExperimentAnalysis& analysis) {
-  return analysis.has_people() ? "people and simulated operators" : "followings";
+  if (analysis.has_people() && analysis.has_simulated()) return "people and simulated operators";
+  if (analysis.variants() == 1) return "followings";
+  return analysis.has_simulated() ? "followings and settings" : "settings";
 }
 
 std::array<int, kVerdictNames.size()> verdict_counts(const OperatorAnalysis& analysis) {

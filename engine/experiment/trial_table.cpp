@@ -136,12 +136,26 @@ Result<TrialTable> TrialTable::create(std::vector<TrialRow> rows, double limit_s
   TrialTable table;
   table.limit_s_ = limit_s;
   table.rows_ = std::move(rows);
-  if (!table.rows_.empty()) table.following_ = table.rows_[0].following;
+  if (!table.rows_.empty()) {
+    table.following_ = table.rows_[0].following;
+    table.variant_ = variant_of(table.rows_[0]);
+  }
   std::erase_if(table.rows_, [](const TrialRow& row) { return row.block <= 0; });
   if (auto error = table.find_levels()) return *error;
   if (auto error = table.arrange()) return *error;
   if (auto error = table.check_conditions()) return *error;
   return table;
+}
+
+std::string TrialTable::whose() const {
+  const std::string name = variant_name(variant_);
+  return (following_.empty() ? "" : "following " + following_ + ", ") +
+         (name.empty() ? "" : name + ", ");
+}
+
+bool TrialTable::has_timeouts() const {
+  return std::any_of(rows_.begin(), rows_.end(),
+                     [](const TrialRow& row) { return row.status == TrialStatus::kTimeout; });
 }
 
 std::optional<Error> TrialTable::find_levels() {
@@ -164,7 +178,7 @@ std::optional<Error> TrialTable::find_levels() {
   levels_[kRotationFactor] = std::move(*rotation_levels);
   levels_[kObjectFactor].assign(objects.begin(), objects.end());
   for (const int block : blocks) levels_[kTrialFactor].push_back(std::to_string(block));
-  const std::string whose = following_.empty() ? "" : "following " + following_ + ", ";
+  const std::string whose = this->whose();
   // The products cannot overflow: the number of rows is limited (kMostTrialRows).
   const std::size_t cells = levels_[kHapticFactor].size() * levels_[kRotationFactor].size() *
                             objects.size() * blocks.size();
@@ -222,8 +236,7 @@ std::optional<Error> TrialTable::check_conditions() const {
       for (int t = 0; t < level_count(kTrialFactor); ++t) has_row = has_row || row(p, c, t);
     }
     if (has_row) continue;
-    const std::string whose = following_.empty() ? "" : "following " + following_ + ", ";
-    return invalid_argument(whose + "condition " + condition_name(c),
+    return invalid_argument(whose() + "condition " + condition_name(c),
                             "has no trial; expected every combination of haptic, rotation and "
                             "object",
                             "add its trials, or remove the level that was not tested everywhere");
@@ -272,21 +285,21 @@ Result<std::vector<TrialTable>> trial_tables(std::vector<TrialRow> rows, double 
   std::vector<std::string> followings;
   for (const std::string_view name : kFollowingNames) followings.emplace_back(name);
   followings.emplace_back();
-  std::map<std::string, std::vector<TrialRow>> rows_of;
+  std::map<std::pair<TrialVariant, std::size_t>, std::vector<TrialRow>> rows_of;
   for (TrialRow& row : rows) {
-    if (std::find(followings.begin(), followings.end(), row.following) == followings.end()) {
+    const auto following = std::find(followings.begin(), followings.end(), row.following);
+    if (following == followings.end()) {
       std::vector<std::string> known(followings.begin(), followings.end() - 1);
       return invalid_argument("following", "is \"" + printable(row.following) +
                                                "\"; expected one of " + joined(known) +
                                                ", or nothing for people");
     }
-    rows_of[row.following].push_back(std::move(row));
+    const auto place = static_cast<std::size_t>(following - followings.begin());
+    rows_of[{variant_of(row), place}].push_back(std::move(row));
   }
   std::vector<TrialTable> tables;
-  for (const std::string& following : followings) {
-    const auto found = rows_of.find(following);
-    if (found == rows_of.end()) continue;
-    auto table = TrialTable::create(std::move(found->second), limit_s);
+  for (auto& [whose, its_rows] : rows_of) {
+    auto table = TrialTable::create(std::move(its_rows), limit_s);
     if (!table) return table.error();
     tables.push_back(std::move(*table));
   }

@@ -11,6 +11,7 @@
 
 #include "engine/experiment/factorial_model.h"
 #include "engine/experiment/trial_row.h"
+#include "engine/experiment/trial_variant.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -55,11 +56,12 @@ const OutcomeText& outcome_text(Outcome outcome);
 // kTimeToLimit after a timeout.
 std::optional<double> outcome_of(const TrialRow& row, Outcome outcome, double limit_s);
 
-// The trials of one kind of operator: of one following, or of people. Immutable.
+// The trials of one kind of operator in one variant of the experiment: of one following, or of
+// people. Immutable.
 class TrialTable {
  public:
-  // rows: the rows of one following; practice blocks (block 0) are left out. limit_s: the time
-  // limit of a trial. If a trial has several attempts, the last attempt counts.
+  // rows: the rows of one following and one variant; practice blocks (block 0) are left out.
+  // limit_s: the time limit of a trial. If a trial has several attempts, the last attempt counts.
   //
   // Errors: a level of Haptic or Rotation that is not known, a repeated row, a number that is not
   // finite in a completed trial, fewer than two participants, a condition without any row.
@@ -67,6 +69,9 @@ class TrialTable {
 
   // Empty: people.
   const std::string& following() const { return following_; }
+  const TrialVariant& variant() const { return variant_; }
+  // "following delayed, view still, "; empty for people in the paper's variant.
+  std::string whose() const;
   double limit_s() const { return limit_s_; }
   // In the order of numbers within names: P2 before P10.
   const std::vector<std::string>& participants() const { return participants_; }
@@ -95,6 +100,7 @@ class TrialTable {
   std::optional<double> value(int participant, int condition, int trial, Outcome outcome) const;
   // Whether any trial has this outcome.
   bool has(Outcome outcome) const;
+  bool has_timeouts() const;
 
  private:
   TrialTable() = default;
@@ -104,6 +110,7 @@ class TrialTable {
   std::optional<Error> check_conditions() const;
 
   std::string following_;
+  TrialVariant variant_;
   double limit_s_ = 0.0;
   std::vector<TrialRow> rows_;
   std::vector<std::string> participants_;
@@ -112,8 +119,9 @@ class TrialTable {
   int earlier_attempts_ = 0;
 };
 
-// A table for each following that occurs: first `delayed`, then the others in the order of
-// kFollowingNames, then people. Errors as for create(), and a file without trials.
+// A table for each variant and following that occurs: the variants in the order of TrialVariant; in
+// each first `delayed`, then the others in the order of kFollowingNames, then people. Errors as for
+// create(), and a file without trials.
 Result<std::vector<TrialTable>> trial_tables(std::vector<TrialRow> rows, double limit_s);
 
 }  // namespace palpate

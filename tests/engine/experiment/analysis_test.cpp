@@ -408,7 +408,8 @@ TEST(Refusals, NameWhatToChange) {
       {"unknown rotation", [](auto& rows) { rows[30].rotation = ""; },
        "rotation: is \"\"; expected one of NoR, R"},
       {"unknown following", [](auto& rows) { rows[30].following = "Delayed"; },
-       "following: is \"Delayed\"; expected one of delayed, predict, replan, frozen, or nothing "
+       "following: is \"Delayed\"; expected one of delayed, predict, replan, frozen, adapts-0, "
+       "adapts-0.5, adapts-1, or nothing "
        "for "
        "people"},
       {"a column of numbers taken for objects",

@@ -117,9 +117,9 @@ int count_of(const std::string& text, const std::string& part) {
 TEST(ExperimentReport, HasAllFiles) {
   std::set<std::string> names;
   for (const auto& [name, text] : written(sample_trials({})).files) names.insert(name);
-  EXPECT_EQ(names,
-            (std::set<std::string>{"report.html", "analysis.json", "effects.csv", "comparisons.csv",
-                                   "means.csv", "missing_trials.csv", "findings.csv"}));
+  EXPECT_EQ(names, (std::set<std::string>{"report.html", "analysis.json", "effects.csv",
+                                          "comparisons.csv", "means.csv", "missing_trials.csv",
+                                          "findings.csv", "differences.csv"}));
 }
 
 // The columns that name a row differ between any two rows of a table.
@@ -489,7 +489,7 @@ TEST(ExperimentReport, TextForTheTerminalIsShortAndStatesTheVerdicts) {
   EXPECT_TRUE(has(report.text, "the paper's 17 findings, delayed: " + std::to_string(counts[0]) +
                                    (counts[0] == 1 ? " agrees" : " agree")));
   EXPECT_LE(count_of(report.text, "\n"), 4 + 10 + 3);
-  EXPECT_TRUE(has(report.text, "\nreport.html, analysis.json and 5 tables are in "));
+  EXPECT_TRUE(has(report.text, "\nreport.html, analysis.json and 6 tables are in "));
   for (std::size_t i = 0; i < 10; ++i) {
     std::string line(
         kVerdictNames[static_cast<int>(report.analysis.operators[0].findings[i].verdict)]);
@@ -639,7 +639,7 @@ TEST(ExperimentReport, RefusedRowsChangeNoFile) {
     ASSERT_FALSE(report->files.move_into_place());
   }
   const auto before = content_of_folder(folder.path("out"));
-  EXPECT_EQ(before.size(), 7u);
+  EXPECT_EQ(before.size(), 8u);
   for (const RefusedRows& each : refused) {
     auto rows = sample_trials({});
     each.change(rows);
@@ -657,7 +657,7 @@ TEST(ExperimentReport, RefusedRowsChangeNoFile) {
 TEST(ExperimentReport, TakesTrialsBeyondTheLimitIfThereIsNoTimeout) {
   auto rows = sample_trials({});
   rows[41].measures[kTotalTime] = 130.0;
-  EXPECT_EQ(written(rows).files.size(), 7u);
+  EXPECT_EQ(written(rows).files.size(), 8u);
 }
 
 // The program
