@@ -43,7 +43,11 @@ std::optional<Error> apply_request(const RecordedReplayRequest& request, Recorde
   if (request.a4) haptics.a4.enabled = *request.a4;
   if (request.align) {
     const int actuators = session.setup.actuation.actuators();
-    if (auto error = check_align(*request.align, haptics.a4.table1, actuators)) return error;
+    if (auto error = check_align(*request.align, haptics.a4.table1, actuators)) {
+      error->path = request.recording;
+      error->hint = "a recording keeps its motors and its Table 1";
+      return error;
+    }
     haptics.a4.align = *request.align;
   }
   if (request.force) haptics.force = *request.force;

@@ -51,8 +51,11 @@ std::optional<Error> analyse_outcomes(OperatorAnalysis& analysis) {
     const OutcomeText& text = outcome_text(outcome);
     if (outcome == Outcome::kTimeToLimit && analysis.counts.timeouts == 0) continue;
     if (!table.has(outcome)) {
-      analysis.notes.push_back("The file does not have the column " + std::string(text.column) +
-                               ", so that there is no analysis of " + std::string(text.name) + ".");
+      analysis.notes.push_back(
+          (table.has_completed_trial()
+               ? "The file does not have the column " + std::string(text.column)
+               : std::string("No trial was completed")) +
+          ", so that there is no analysis of " + std::string(text.name) + ".");
       continue;
     }
     if (const auto value = constant_value(table, outcome)) {
@@ -130,9 +133,11 @@ std::string OperatorAnalysis::following() const {
 }
 
 std::string OperatorAnalysis::anchor() const {
-  std::string text = name();
-  for (char& c : text) {
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.') c = '-';
+  std::string text;
+  for (const char c : name()) {
+    if (c == ' ') text += '-';
+    if (c == '+') text += 'p';  // of an exponent
+    if (std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-') text += c;
   }
   return text;
 }

@@ -160,7 +160,7 @@ std::string capitalised(std::string text) {
 }  // namespace
 
 std::string whose_trials(const OperatorAnalysis& analysis) {
-  return analysis.is_simulated() ? "simulated operators, " + analysis.name() : "people";
+  return analysis.is_simulated() ? "simulated operators, " + analysis.name() : analysis.name();
 }
 
 Result<std::string> rotation_haptic_svg(const OperatorAnalysis& analysis, Outcome outcome) {

@@ -81,9 +81,12 @@ std::string missing_text(const ExperimentAnalysis& analysis) {
 std::string names_of(const ExperimentAnalysis& analysis) {
   std::string text;
   const char* const between = analysis.variants() > 1 ? "; " : ", ";
-  for (const OperatorAnalysis& each : analysis.operators) {
-    text += (text.empty() ? "" : between) + each.name();
+  constexpr std::size_t kMostNames = 8;
+  const std::size_t count = analysis.operators.size();
+  for (std::size_t i = 0; i < std::min(count, kMostNames); ++i) {
+    text += (text.empty() ? "" : between) + analysis.operators[i].name();
   }
+  if (count > kMostNames) text += " and " + std::to_string(count - kMostNames) + " more";
   return text;
 }
 

@@ -1,5 +1,6 @@
 #include "engine/experiment/experiment_scene.h"
 
+#include <algorithm>
 #include <numbers>
 #include <optional>
 #include <sstream>
@@ -7,6 +8,7 @@
 
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/plan_device.h"
+#include "engine/experiment/statistics_text.h"
 #include "engine/simulation/placed_bounds.h"
 #include "engine/simulation/plane_height.h"
 #include "engine/simulation/simulated_device.h"
@@ -57,6 +59,17 @@ Error device_error(Error error, const ExperimentPlan& plan) {
   return error;
 }
 
+// An error of an object at a level of the plan names the level.
+Error of_level(Error error, const std::vector<double>& levels, double level, const char* key,
+               const PlanObject& object) {
+  const auto place = std::find(levels.begin(), levels.end(), level) - levels.begin();
+  error.element = std::string("/") + key + "/" + std::to_string(place);
+  error.problem =
+      "is " + as_printed(level) + ", with which object " + object.name + " " + error.problem;
+  error.hint = "choose another level, or a smaller object";
+  return error;
+}
+
 // The error of the first orientation in which the scene is larger than the workspace.
 std::optional<Error> check_size(const ExperimentPlan& plan, const PlanObject& object,
                                 const Scene& scene, const RunSetup& setup) {
@@ -69,7 +82,11 @@ std::optional<Error> check_size(const ExperimentPlan& plan, const PlanObject& ob
     if (!misfit) continue;
     const bool is_of_scene = misfit->element == "scene";
     Error error = device_error(*misfit, plan);
-    if (is_of_scene) error.element = element_of(object);
+    if (!is_of_scene) return error;
+    error.element = element_of(object);
+    if (start_deg == 0.0) return error;
+    error = of_level(error, plan.start_orientation_deg, start_deg, "start_orientation_deg", object);
+    error.path = plan.path;
     return error;
   }
   return std::nullopt;
@@ -170,6 +187,11 @@ Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan
   for (const double scale : plan.scale) {
     for (const PlanObject& object : plan.objects) {
       auto scene = load_experiment_scene(plan, object, scale, functions);
+      if (!scene && scale != 1.0 && scene.error().element == element_of(object)) {
+        Error error = of_level(scene.error(), plan.scale, scale, "scale", object);
+        error.path = plan.path;
+        return error;
+      }
       if (!scene) return scene.error();
       scenes.push_back(std::move(*scene));
     }

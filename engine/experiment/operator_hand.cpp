@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/experiment/seen_picture.h"
 #include "engine/simulation/path_plan.h"
 #include "haptics/record_vectors.h"
 
@@ -32,7 +31,7 @@ constexpr double kHaste = 2.0;
 // The distance between the points that the hand visits on its way back outside the contour.
 constexpr double kStride_m = 5e-3;
 
-// With View::kStill: farther from its first place than any arm reaches.
+// With View::kStill: how far the hand may go beyond the farthest place of the path.
 constexpr double kArm_m = 1.0;
 
 // In press depths: the hand rests at the start this far outside the contour.
@@ -94,6 +93,10 @@ OperatorHand::OperatorHand(const TrialWay& way, const OperatorParameters& person
   const double green_along_m = seen_along_m();
   start_m_ = way.green_m -
              (kStartsOutside * person_.press_depth_m + proxy_radius_m_) * inward_at(green_along_m);
+  reach_m_ = kArm_m;
+  for (const HandPath::Point& point : path_.points) {
+    reach_m_ = std::max(reach_m_, kArm_m + (point.p_m - start_m_).norm());
+  }
   plan_m_ = start_m_;
   detour_.at_m = start_m_;
   detour_.goal_along_m = green_along_m;
@@ -131,16 +134,23 @@ HandTarget OperatorHand::target(double time_s, const ScenePose& T_device_scene,
   const ScenePose believed = believed_pose(time_s);
   target.position_m = believed.point(aim.p_m + to_centre);
   target.velocity_m_per_s = believed.direction(aim.velocity_m_per_s);
-  return view_of(following_) == View::kStill ? within_reach(target) : target;
+  return misjudges_turn() ? within_reach(target) : target;
+}
+
+// Whether the person believes in another orientation of the scene than the picture's.
+bool OperatorHand::misjudges_turn() const {
+  const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
+  return view_of(following_) == View::kStill && following_ != Following::kAdaptsWhole &&
+         has_turned(first_pose_, newest.T_device_scene);
 }
 
 HandTarget OperatorHand::within_reach(const HandTarget& target) const {
   const Vec3 from_m = first_pose_.point(start_m_);
   const Vec3 way_m = target.position_m - from_m;
   const double distance_m = way_m.norm();
-  if (distance_m <= kArm_m) return target;
+  if (distance_m <= reach_m_) return target;
   HandTarget reached = target;
-  reached.position_m = from_m + kArm_m / distance_m * way_m;
+  reached.position_m = from_m + reach_m_ / distance_m * way_m;
   reached.velocity_m_per_s.setZero();
   return reached;
 }
@@ -152,17 +162,12 @@ void OperatorHand::take_picture(double time_s, const ScenePose& T_device_scene,
   Picture& picture = pictures_[taken_ % pictures_.size()];
   picture.time_s = time_s;
   picture.T_device_scene = T_device_scene;
-  picture.proxy_scene_m = taken_ > 0 ? vec3(last.proxy_scene_m) : start_m_;
   picture.felt_device_m = taken_ > 0 ? vec3(last.device_m) : T_device_scene.point(start_m_);
-  picture.goal_scene_m =
+  const Vec3 proxy_scene_m = taken_ > 0 ? vec3(last.proxy_scene_m) : start_m_;
+  const Vec3 device_scene_m =
       taken_ > 0 ? T_device_scene.inverse_point(picture.felt_device_m) : start_m_;
-  if (view_of(following_) == View::kStill && !is_same_pose(T_device_scene, first_pose_)) {
-    const SeenPicture seen = still_picture(
-        {T_device_scene, T_device_scene.point(picture.proxy_scene_m), picture.felt_device_m},
-        first_pose_);
-    picture.proxy_scene_m = seen.T_picture_scene.inverse_point(seen.proxy_m);
-    picture.goal_scene_m = seen.T_picture_scene.inverse_point(seen.device_m);
-  }
+  picture.seen =
+      seen_picture(view_of(following_), first_pose_, T_device_scene, proxy_scene_m, device_scene_m);
   picture.contact = last.contact != 0;
   picture.plan_scene_m = plan_m_;
   ++taken_;
@@ -178,11 +183,11 @@ void OperatorHand::look(double time_s) {
 }
 
 void OperatorHand::see(const Picture& picture) {
-  const Vec3 outward = picture.proxy_scene_m - picture.goal_scene_m;
+  const Vec3 outward = picture.seen.proxy_scene_m - picture.seen.device_scene_m;
   const bool is_apart = !outward.isZero(0.0);
-  const Vec3 contact_m = is_apart
-                             ? Vec3(picture.proxy_scene_m - proxy_radius_m_ * outward.normalized())
-                             : picture.proxy_scene_m;
+  const Vec3 contact_m =
+      is_apart ? Vec3(picture.seen.proxy_scene_m - proxy_radius_m_ * outward.normalized())
+               : picture.seen.proxy_scene_m;
   if (!has_begun_) {
     has_begun_ = picture.contact && (contact_m - green_m_).norm() <= sphere_radius_m_;
   }
@@ -196,7 +201,7 @@ void OperatorHand::see(const Picture& picture) {
       following_ == Following::kReplan && picture.time_s - held_since_s_ >= person_.replan_s;
   const bool thaws = following_ == Following::kFrozen && (lost_contact || passed_corner);
   if (seen_ == 1 || replans || thaws) {
-    held_pose_ = picture.T_device_scene;
+    held_pose_ = picture.seen.T_picture_scene;
     held_since_s_ = picture.time_s;
   }
   if (is_good) {
@@ -211,16 +216,16 @@ void OperatorHand::see(const Picture& picture) {
 ScenePose OperatorHand::believed_pose(double time_s) const {
   const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
   if (view_of(following_) == View::kStill) {
-    return adapted_pose(first_pose_, newest.T_device_scene, newest.goal_scene_m,
+    return adapted_pose(first_pose_, newest.T_device_scene, newest.seen.device_scene_m,
                         newest.felt_device_m, adapted_share(following_));
   }
   if (following_ == Following::kReplan || following_ == Following::kFrozen) return held_pose_;
-  if (following_ == Following::kDelayed || seen_ < 2) return newest.T_device_scene;
+  if (following_ == Following::kDelayed || seen_ < 2) return newest.seen.T_picture_scene;
   const Picture& previous = pictures_[(seen_ - 2) % pictures_.size()];
-  const Eigen::AngleAxisd turned(newest.T_device_scene.rotation *
-                                 previous.T_device_scene.rotation.conjugate());
+  const Eigen::AngleAxisd turned(newest.seen.T_picture_scene.rotation *
+                                 previous.seen.T_picture_scene.rotation.conjugate());
   const double pictures = (time_s - newest.time_s) / picture_s_;
-  return turned_about(newest.T_device_scene, newest.proxy_scene_m,
+  return turned_about(newest.seen.T_picture_scene, newest.seen.proxy_scene_m,
                       {turned.axis(), pictures * turned.angle()});
 }
 
@@ -236,7 +241,7 @@ bool OperatorHand::is_in_corner() const {
 
 double OperatorHand::pace_m_per_s() const {
   const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
-  const double depth_m = (newest.goal_scene_m - newest.proxy_scene_m).norm();
+  const double depth_m = (newest.seen.device_scene_m - newest.seen.proxy_scene_m).norm();
   const double deeper_m = std::max(0.0, depth_m - person_.press_depth_m);
   const double pace = person_.speed_m_per_s * kComfortable_m / std::max(kComfortable_m, deeper_m);
   const double seen_m = seen_along_m();
@@ -267,7 +272,7 @@ void OperatorHand::advance(double step_m) {
 // The correction of an earlier leg is projected onto the present one.
 void OperatorHand::correct(const Vec3& direction, double dt_s) {
   const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
-  const double lag_m = (newest.plan_scene_m - newest.goal_scene_m).dot(direction);
+  const double lag_m = (newest.plan_scene_m - newest.seen.device_scene_m).dot(direction);
   const double along_m = correction_m_.dot(direction) + person_.gain_per_s * lag_m * dt_s;
   correction_m_ = std::clamp(along_m, -kMostCorrection_m, kMostCorrection_m) * direction;
 }
@@ -277,7 +282,7 @@ void OperatorHand::lose() {
   if (recovery_ == Recovery::kOff) return;
   ++recoveries_;
   const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
-  const double nearest_m = nearest_along_m(path_, lengths_m_, newest.proxy_scene_m);
+  const double nearest_m = nearest_along_m(path_, lengths_m_, newest.seen.proxy_scene_m);
   detour_.goal_along_m = std::min(seen_along_m() + kGoesOn_m, red_along_m_);
   detour_.is_outside = saw_wrong_part_ || !is_following_ ||
                        std::abs(nearest_m - detour_.goal_along_m) > ContourPlace::kReach_m;

@@ -9,6 +9,7 @@
 
 #include "engine/experiment/contour_place.h"
 #include "engine/experiment/operator_parameters.h"
+#include "engine/experiment/seen_picture.h"
 #include "engine/experiment/trial.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/target_track.h"
@@ -34,9 +35,10 @@ enum class Recovery : std::uint8_t { kOn, kOff };
 // - Correction: u' = k (plan - goal along the way, both as seen), |u| <= 20 mm. The lag into the
 //   wall is not corrected: in this direction, the hand yields.
 // - View: with one of the followings for View::kStill, the person sees the pictures of
-//   still_picture(), and believes in adapted_pose(). Once the scene has turned by more than 90 deg
-//   beyond what the person adapts to, the hand moves away from where the person aims. It then goes
-//   as far as an arm reaches, 1 m from its first place.
+//   View::kStill (seen_picture.h), and believes in adapted_pose(). Once the scene has turned by
+//   more than 90 deg beyond what the person adapts to, the hand moves away from where the person
+//   aims. It then goes 1 m, which is an arm's length, beyond the farthest place of the path,
+//   counted from its first place.
 // - Recovery: the person is lost if, for 0.5 s (1.5 s in a corner), the person sees no contact that
 //   moves or confirms the place on the contour. The hand then returns to the contour, 10 mm past
 //   that place. If it touches a wrong part of the contour, it first moves back beside the contour,
@@ -63,9 +65,8 @@ class OperatorHand final : public HandPlan {
  private:
   struct Picture {
     double time_s;
+    SeenPicture seen;
     ScenePose T_device_scene;
-    Vec3 proxy_scene_m;
-    Vec3 goal_scene_m;   // the device point
     Vec3 felt_device_m;  // the device point as the hand feels it
     bool contact;
     Vec3 plan_scene_m;  // where the person aimed then, without the correction
@@ -88,6 +89,7 @@ class OperatorHand final : public HandPlan {
   void look(double time_s);
   void see(const Picture& picture);
   ScenePose believed_pose(double time_s) const;
+  bool misjudges_turn() const;
   HandTarget within_reach(const HandTarget& target) const;
   bool is_in_corner() const;
   bool has_corner_between(double first_m, double last_m) const;
@@ -119,6 +121,7 @@ class OperatorHand final : public HandPlan {
   Vec3 green_m_;
   double red_along_m_;
   Vec3 start_m_;
+  double reach_m_;  // from start_m_
 
   std::vector<Picture> pictures_;  // a ring
   std::uint64_t taken_ = 0;        // number of pictures taken

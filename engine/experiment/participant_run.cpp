@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
+#include "engine/experiment/statistics_text.h"
 #include "engine/experiment/trial_order.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/report/csv.h"
@@ -134,10 +134,9 @@ std::vector<PlanCondition> ordered_conditions(const ExperimentPlan& plan, int pa
 // "-still-45deg-x2", or nothing if the plan has one variant.
 std::string variant_suffix(const ExperimentPlan& plan, const PlanVariant& variant) {
   if (plan.variants().size() == 1) return {};
-  std::ostringstream text;
-  text << "-" << kViewNames[static_cast<std::size_t>(variant.view)] << "-"
-       << plan.start_orientation_deg[variant.start] << "deg-x" << plan.scale[variant.scale];
-  return text.str();
+  return "-" + std::string(kViewNames[static_cast<std::size_t>(variant.view)]) + "-" +
+         as_printed(plan.start_orientation_deg[variant.start]) + "deg-x" +
+         as_printed(plan.scale[variant.scale]);
 }
 
 }  // namespace

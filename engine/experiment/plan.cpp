@@ -197,7 +197,7 @@ void read_levels(ObjectReader& reader, const char* key, std::vector<double>& lev
     if (std::find(levels.begin(), levels.end(), level.get<double>()) != levels.end()) {
       return reader.fail(plan_error(at, "is " + level.dump() + " again; expected each level once"));
     }
-    levels.push_back(level.get<double>());
+    levels.push_back(level.get<double>() + 0.0);  // no -0
   }
 }
 
@@ -368,16 +368,25 @@ std::vector<Following> ExperimentPlan::followings_of(View view) const {
 }
 
 std::vector<std::string> ExperimentPlan::warnings() const {
+  std::vector<std::string> sentences;
+  const bool sees_turning = std::find(views.begin(), views.end(), View::kTurning) != views.end();
+  if (!sees_turning && !followings.empty()) {
+    sentences.emplace_back(
+        "followings: is not used, because they are for the view turning; with the view still, "
+        "persons adapt to the turn by none, half or all of it");
+  }
   const int rows = static_cast<int>(level_count());
-  if (order == ConditionOrder::kRandom || participants % rows == 0) return {};
+  if (order == ConditionOrder::kRandom || participants % rows == 0) return sentences;
   const int rest = participants % rows;
-  return {"participants: is " + std::to_string(participants) + ", which is no multiple of " +
-          std::to_string(rows) + ", the number of conditions; in each block " +
-          std::to_string(rest) + " of the " + std::to_string(rows) +
-          " orders of the Williams square " + (rest == 1 ? "is" : "are") + " used " +
-          std::to_string(participants / rows + 1) + (participants < rows ? " time" : " times") +
-          " and the others " + std::to_string(participants / rows) +
-          ", so that places and successions of conditions are not balanced"};
+  sentences.push_back(
+      "participants: is " + std::to_string(participants) + ", which is no multiple of " +
+      std::to_string(rows) + ", the number of conditions; in each block " + std::to_string(rest) +
+      " of the " + std::to_string(rows) + " orders of the Williams square " +
+      (rest == 1 ? "is" : "are") + " used " + std::to_string(participants / rows + 1) +
+      (participants < rows ? " time" : " times") + " and the others " +
+      std::to_string(participants / rows) +
+      ", so that places and successions of conditions are not balanced");
+  return sentences;
 }
 
 Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path,

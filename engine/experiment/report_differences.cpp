@@ -41,70 +41,90 @@ std::vector<Outcome> outcomes_of(const std::vector<VariantDifference>& differenc
   return outcomes;
 }
 
+// The differences of one pair: a row for each condition, a cell for each outcome.
+struct PairRows {
+  std::string name;
+  std::vector<std::string> conditions;
+  std::map<std::string, std::map<Outcome, std::string>> cells;  // by condition
+};
+
+// The differences of a pair follow each other.
+std::vector<PairRows> rows_of_pairs(const ExperimentAnalysis& analysis) {
+  std::vector<PairRows> pairs;
+  const VariantDifference* before = nullptr;
+  for (const VariantDifference& difference : analysis.differences) {
+    if (!before || before->first != difference.first || before->second != difference.second) {
+      pairs.push_back({pair_name(analysis, difference), {}, {}});
+    }
+    before = &difference;
+    PairRows& pair = pairs.back();
+    const std::string condition = difference.haptic + ", " + difference.rotation;
+    if (!pair.cells.contains(condition)) pair.conditions.push_back(condition);
+    pair.cells[condition][difference.outcome] =
+        difference_cell(difference.test, difference.outcome);
+  }
+  return pairs;
+}
+
 std::string differences_table(const ExperimentAnalysis& analysis) {
   const std::vector<Outcome> outcomes = outcomes_of(analysis.differences);
   std::vector<std::string> heads = {"difference", "condition"};
-  for (const Outcome outcome : outcomes) heads.push_back(html_escaped(outcome_heading(outcome)));
+  for (const Outcome outcome : outcomes) heads.push_back(outcome_heading(outcome));
   HtmlTable table(heads, 2);
-  // A row for each pair and condition, in the order in which they first occur.
-  using RowKey = std::pair<std::string, std::string>;
-  std::vector<RowKey> rows;
-  std::map<RowKey, std::map<Outcome, std::string>> cells;
-  for (const VariantDifference& difference : analysis.differences) {
-    const RowKey key = {pair_name(analysis, difference),
-                        difference.haptic + ", " + difference.rotation};
-    if (!cells.contains(key)) rows.push_back(key);
-    cells[key][difference.outcome] = difference_cell(difference.test, difference.outcome);
-  }
-  std::string before;
-  for (const RowKey& key : rows) {
-    std::vector<std::string> row = {key.first == before ? "" : html_escaped(key.first),
-                                    html_escaped(key.second)};
-    before = key.first;
-    for (const Outcome outcome : outcomes) {
-      const auto found = cells[key].find(outcome);
-      row.push_back(found == cells[key].end() ? "-" : found->second);
+  for (const PairRows& pair : rows_of_pairs(analysis)) {
+    std::string name = html_escaped(pair.name);
+    for (const std::string& condition : pair.conditions) {
+      std::vector<std::string> row = {std::exchange(name, ""), html_escaped(condition)};
+      const auto& cells = pair.cells.at(condition);
+      for (const Outcome outcome : outcomes) {
+        row.push_back(cells.contains(outcome) ? cells.at(outcome) : "-");
+      }
+      table.row(row);
     }
-    table.row(row);
   }
   return table.html();
 }
 
-bool has_still_view(const ExperimentAnalysis& analysis) {
+// Whether simulated persons see the scene still.
+bool has_adaptations(const ExperimentAnalysis& analysis) {
   for (const OperatorAnalysis& each : analysis.operators) {
-    if (each.table.variant().view == "still") return true;
+    if (each.is_simulated() && each.table.variant().view == "still") return true;
   }
   return false;
+}
+
+std::string method_html() {
+  return html_element(
+             "p",
+             "The file has several levels of view, align, start orientation or scale. Each "
+             "combination is an experiment of its own; those of a plan have the same persons and "
+             "random numbers. The table compares combinations that differ in one of these "
+             "settings. A difference is the mean over participants (their number follows) of their "
+             "mean differences between trials with the same object and block, \u00b1 half of its "
+             "95 % interval by Student\u2019s t, not adjusted for the number of comparisons. It is "
+             "bold if the interval does not hold 0. A pair of trials counts if both have the "
+             "measure.") +
+         "\n";
+}
+
+std::string adaptations_html() {
+  return html_element(
+             "p",
+             "Whether the turning view helps hangs on one assumption: how far a person adapts to a "
+             "hand that moves in another direction than its picture. A simulated person who adapts "
+             "wholly (adapts-1) has the belief of one who sees the scene turn (delayed), and the "
+             "same trials. The other two show what less adaptation costs.") +
+         "\n";
 }
 
 }  // namespace
 
 std::string differences_html(const ExperimentAnalysis& analysis) {
   if (analysis.variants() == 1) return "";
-  std::string out =
-      "<section class=\"operator\" id=\"differences\">\n<h2>Differences between settings</h2>\n" +
-      html_element(
-          "p",
-          "The file has several levels of view, align, start orientation or scale. Each "
-          "combination is an experiment of its own with the same persons and random "
-          "numbers. A difference is the mean over participants (their number follows) of "
-          "their mean differences between trials with the same object and block, \u00b1 "
-          "half of its 95 % interval by Student\u2019s t, not adjusted for the number of "
-          "comparisons. It is bold if the interval does not hold 0. A trial counts only if "
-          "both were completed.") +
-      "\n";
-  if (has_still_view(analysis)) {
-    out += html_element("p",
-                        "Whether the turning view helps hangs on one assumption: how far a person "
-                        "adapts to a hand that moves in another direction than its picture. A "
-                        "simulated person who adapts wholly (adapts-1) has the belief of one who "
-                        "sees the scene turn (delayed), but for rounding; their trials part in the "
-                        "end, because a person decides at thresholds, and their mean differences "
-                        "show how much of a difference is chance. The other two persons show what "
-                        "less adaptation costs.") +
-           "\n";
-  }
-  return out + differences_table(analysis) + "</section>\n";
+  return "<section class=\"operator\" id=\"differences\">\n<h2>Differences between "
+         "settings</h2>\n" +
+         method_html() + (has_adaptations(analysis) ? adaptations_html() : "") +
+         differences_table(analysis) + "</section>\n";
 }
 
 }  // namespace palpate

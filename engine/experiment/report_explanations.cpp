@@ -1,5 +1,6 @@
 #include "engine/experiment/report_explanations.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "engine/report/html.h"
@@ -76,7 +77,7 @@ std::string simulation_items() {
              "is chosen by the plan, not by its results.");
 }
 
-std::string words(bool is_simulated) {
+std::string words(bool is_simulated, bool is_still) {
   using Word = std::pair<const char*, const char*>;
   constexpr Word kWords[] = {
       {"NoH, UaH, H", "no force; force along the actuated axis only (under-actuated); full force."},
@@ -114,10 +115,11 @@ std::string words(bool is_simulated) {
        "it has seen."},
       {"predict", "it turns that picture on at the speed it has seen, for the picture\u2019s age."},
       {"replan", "it holds a seen pose of the scene for a time before it looks again."},
-      {"frozen", "it keeps the pose seen at the last corner or loss of contact."},
-      {"adapts-0, adapts-0.5, adapts-1",
-       "it sees the scene stand still (view still) while its hand moves in another direction than "
-       "the picture. It believes the scene to be turned by none, half or all of the turn."}};
+      {"frozen", "it keeps the pose seen at the last corner or loss of contact."}};
+  constexpr Word kAdaptations = {
+      "adapts-0, adapts-0.5, adapts-1",
+      "it sees the scene stand still (view still) while its hand moves in another direction than "
+      "the picture. It believes the scene to be turned by none, half or all of the turn."};
   std::string out = "<h2 id=\"words\">Words</h2>\n<dl class=\"facts\">\n";
   const auto put = [&](const Word& word) {
     out += html_element("dt", word.first) + html_element("dd", word.second) + "\n";
@@ -126,6 +128,7 @@ std::string words(bool is_simulated) {
   if (is_simulated) {
     for (const Word& word : kFollowings) put(word);
   }
+  if (is_still) put(kAdaptations);
   return out + "</dl>\n";
 }
 
@@ -141,9 +144,13 @@ std::string levels_html() {
 
 std::string explanations_html(const ExperimentAnalysis& analysis) {
   const bool is_simulated = analysis.has_simulated();
+  const bool is_still = std::any_of(
+      analysis.operators.begin(), analysis.operators.end(), [](const OperatorAnalysis& each) {
+        return each.is_simulated() && each.table.variant().view == "still";
+      });
   return "<section id=\"explanations\">\n<h2>What these numbers can state</h2>\n" +
          (is_simulated ? simulation_items() : std::string()) + statistics_items(is_simulated) +
-         words(is_simulated) + "</section>\n";
+         words(is_simulated, is_still) + "</section>\n";
 }
 
 }  // namespace palpate

@@ -113,7 +113,7 @@ std::string flips_sentence(const ExperimentAnalysis& analysis) {
   for (const std::size_t i : flips) {
     names += (names.empty() ? "" : "; ") + html_escaped(paper_findings()[i].name);
   }
-  const std::string why = analysis.has_people()
+  const std::string why = analysis.has_people() || analysis.variants() > 1
                               ? ""
                               : " (how a simulated operator takes the turning of the scene into "
                                 "account)";

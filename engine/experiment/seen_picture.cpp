@@ -13,6 +13,11 @@ double turn_since_rad(const ScenePose& T_first, const ScenePose& T_now) {
   return angle_rad;
 }
 
+SeenPicture seen_picture(View view, const ScenePose& T_first, const ScenePose& T_now,
+                         const Vec3& proxy_scene_m, const Vec3& device_scene_m) {
+  return {view == View::kStill ? T_first : T_now, proxy_scene_m, device_scene_m};
+}
+
 bool has_turned(const ScenePose& T_first, const ScenePose& T_now) {
   return T_now.rotation.coeffs() != T_first.rotation.coeffs();
 }

@@ -56,12 +56,18 @@ struct NaturalLess {
   }
 };
 
+constexpr const char* kDividingColumns =
+    "each combination of view, align, start_orientation_deg and scale is an experiment of its own: "
+    "rename a column that has another meaning";
+
 int place_in(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
 std::string row_name(const TrialRow& row) {
   std::string name = row.following.empty() ? "" : "following " + row.following + ", ";
+  const std::string variant = variant_name(variant_of(row));
+  if (!variant.empty()) name += variant + ", ";
   return name + "participant " + row.participant + ", block " + std::to_string(row.block) + ", " +
          row.haptic + ", " + row.rotation + ", " + row.object;
 }
@@ -151,6 +157,11 @@ std::string TrialTable::whose() const {
   const std::string name = variant_name(variant_);
   return (following_.empty() ? "" : "following " + following_ + ", ") +
          (name.empty() ? "" : name + ", ");
+}
+
+bool TrialTable::has_completed_trial() const {
+  return std::any_of(rows_.begin(), rows_.end(),
+                     [](const TrialRow& row) { return row.status == TrialStatus::kDone; });
 }
 
 bool TrialTable::has_timeouts() const {
@@ -297,10 +308,22 @@ Result<std::vector<TrialTable>> trial_tables(std::vector<TrialRow> rows, double 
     const auto place = static_cast<std::size_t>(following - followings.begin());
     rows_of[{variant_of(row), place}].push_back(std::move(row));
   }
+  if (rows_of.size() > kMostTables) {
+    return invalid_argument("view, align, start_orientation_deg, scale and following",
+                            "divide the file into " + std::to_string(rows_of.size()) +
+                                " experiments; expected at most " + std::to_string(kMostTables),
+                            kDividingColumns);
+  }
   std::vector<TrialTable> tables;
   for (auto& [whose, its_rows] : rows_of) {
     auto table = TrialTable::create(std::move(its_rows), limit_s);
-    if (!table) return table.error();
+    if (!table) {
+      Error error = table.error();
+      const bool is_divided = !(rows_of.begin()->first.first == rows_of.rbegin()->first.first);
+      if (is_divided)
+        error.hint += (error.hint.empty() ? "" : "; ") + std::string(kDividingColumns);
+      return error;
+    }
     tables.push_back(std::move(*table));
   }
   if (tables.empty()) {

@@ -101,6 +101,7 @@ class TrialTable {
   // Whether any trial has this outcome.
   bool has(Outcome outcome) const;
   bool has_timeouts() const;
+  bool has_completed_trial() const;
 
  private:
   TrialTable() = default;
@@ -119,9 +120,12 @@ class TrialTable {
   int earlier_attempts_ = 0;
 };
 
+// The most experiments in one file: each has its own figures and tables.
+inline constexpr std::size_t kMostTables = 100;
+
 // A table for each variant and following that occurs: the variants in the order of TrialVariant; in
 // each first `delayed`, then the others in the order of kFollowingNames, then people. Errors as for
-// create(), and a file without trials.
+// create(), a file without trials, and one with more than kMostTables tables.
 Result<std::vector<TrialTable>> trial_tables(std::vector<TrialRow> rows, double limit_s);
 
 }  // namespace palpate

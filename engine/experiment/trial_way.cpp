@@ -3,7 +3,9 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/experiment/contour_place.h"
 #include "engine/experiment/trial.h"
+#include "engine/experiment/trial_clock.h"
 #include "engine/simulation/contour_path.h"
 #include "engine/simulation/path_plan.h"
 #include "engine/simulation/reachable_outlines.h"
@@ -11,6 +13,10 @@
 
 namespace palpate {
 namespace {
+
+// A contact moves the place on the contour by up to kReach_m: two contacts could pass the least
+// part of a shorter way.
+constexpr double kShortestWay_m = 2.0 * ContourPlace::kReach_m / TrialClock::kLeastWay;
 
 // Detail of the contour below this share of a sphere's radius is left out.
 constexpr double kDetail = 1.0 / 64;
@@ -187,6 +193,12 @@ Result<TrialWay> find_trial_way(const Scene& scene, const RunSetup& setup,
     problem << "states a way of " << way_m << " m from start_m to end_m with material on the left; "
             << "expected the long way round the contour of " << curve.length_m() << " m";
     return no_way(stated.front().element, problem.str(), "swap start_m and end_m");
+  }
+  if (way_m < kShortestWay_m) {
+    std::ostringstream problem;
+    problem << "has a way of " << way_m << " m from the green to the red sphere; expected at least "
+            << kShortestWay_m << " m";
+    return no_way("scene", problem.str(), "enlarge the scene");
   }
   TrialWay way;
   const double lead_in_m = std::min(kLeadIn_m, kMostLeadIn * curve.length_m());

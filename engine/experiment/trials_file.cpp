@@ -270,7 +270,7 @@ std::optional<Error> Line::read_setting(Trailing::Index index,
                                         const std::array<std::string_view, count>& names,
                                         std::string& level) const {
   const std::string* const field = find(columns_.trailing[index]);
-  if (!field || field->empty()) return std::nullopt;
+  if (!field || field->empty() || *field == "NA") return std::nullopt;
   if (std::find(names.begin(), names.end(), *field) == names.end()) {
     return refused(kTrailingColumns[index].name, *field, joined_words({names.begin(), names.end()}),
                    kOtherMeaning);
@@ -282,7 +282,7 @@ std::optional<Error> Line::read_setting(Trailing::Index index,
 std::optional<Error> Line::read_setting(Trailing::Index index, const NumberRange& range,
                                         double& level) const {
   const std::string* const field = find(columns_.trailing[index]);
-  if (!field || field->empty()) return std::nullopt;
+  if (!field || field->empty() || *field == "NA") return std::nullopt;
   const char* const end = field->data() + field->size();
   const auto [stop, failed] = std::from_chars(field->data(), end, level);
   if (failed == std::errc() && stop == end && range.contains(level)) return std::nullopt;
@@ -294,7 +294,13 @@ std::optional<Error> Line::read_variant(TrialRow& row) const {
   if (!error) error = read_setting(Trailing::kAlign, kAlignmentNames, row.align);
   if (!error) error = read_setting(Trailing::kStart, kStartRange_deg, row.start_orientation_deg);
   if (!error) error = read_setting(Trailing::kScale, kScaleRange, row.scale);
-  return error;
+  if (error || row.following.empty()) return error;
+  const auto following = std::find(kFollowingNames.begin(), kFollowingNames.end(), row.following);
+  const auto view = view_of(static_cast<Following>(following - kFollowingNames.begin()));
+  const std::string_view expected = kViewNames[static_cast<std::size_t>(view)];
+  if (row.view == expected) return error;
+  return refused(kTrailingColumns[Trailing::kView].name, row.view,
+                 std::string(expected) + ", because the following is " + row.following);
 }
 
 // A strategy, or the levels of haptic and rotation.

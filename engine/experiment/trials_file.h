@@ -40,7 +40,8 @@ std::string columns_csv(TrialColumns columns = TrialColumns::kFactors);
 //
 // The columns participant, block, haptic, rotation, object and status are required. following,
 // trial, attempt, strategy, view, align, start_orientation_deg and scale are optional, and so is
-// each measure. An empty field of the last four stands for turning, nearest, 0 and 1. A row has
+// each measure. An empty field or NA in the last four stands for turning, nearest, 0 and
+// 1; the view must be the one of the following. A row has
 // either a strategy or haptic and rotation. Other columns are ignored. An empty field or NA is a
 // measure without a value; a trial that is not done may also have nan or inf there, which is read
 // as no value.

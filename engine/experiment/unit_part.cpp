@@ -90,6 +90,12 @@ Result<std::string> read_part(const std::string& path, const DealtUnits& units, 
   }
   const std::size_t head_bytes = first_lines(units, unit, "").size();
   const std::string_view rows = text.substr(std::min(head_bytes, text.size()));
+  const std::size_t second_line = text.find('\n') + 1;
+  const std::string_view columns =
+      text.substr(second_line, text.find('\n', second_line) - second_line);
+  if (second_line > 0 && columns != units.columns) {
+    return part_error(path, "line 2", "has other columns than this version of Palpate writes");
+  }
   if (text.substr(0, text.size() - rows.size()) != first_lines(units, unit, rows)) {
     return part_error(path, "line 1", "does not have the hash of the rows; the file was changed");
   }

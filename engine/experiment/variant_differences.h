@@ -22,14 +22,16 @@ struct VariantDifference {
   PairedT test;  // of the participants who have a value; NaN without one
 };
 
-// Two tables are compared if their variants differ. With one view, they have the same following.
-// With two views, each following of the still view is compared with the first following of the
-// turning view: without rotation they have the same rows, and with it the followings of the still
-// view state what the person adapts to.
+// Two tables are compared if their variants differ in one setting, and if both are of people or
+// both of simulated persons. A setting with more than kMostLevelsInPairs levels is compared with
+// its first level only. Simulated persons have the same following; with two views, each following
+// of the still view is compared with the first following of the turning view: without rotation they
+// have the same rows, and with it the followings of the still view state what the person adapts to.
 //
 // Outcomes: time, losses, penetration and contact angle, where both tables have them, and the time
 // with timeouts as the limit, if there are timeouts. The order is
 // that of the tables, outcomes and conditions.
+inline constexpr std::size_t kMostLevelsInPairs = 6;
 std::vector<VariantDifference> variant_differences(const std::vector<const TrialTable*>& tables);
 
 }  // namespace palpate

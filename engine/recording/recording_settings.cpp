@@ -11,6 +11,7 @@
 
 #include "engine/recording/recorded_tick.h"
 #include "engine/recording/sha256.h"
+#include "engine/session/run_setup.h"
 #include "haptics/effects/effect.h"
 #include "io/gltf/file.h"
 #include "io/gltf/limits.h"
@@ -210,6 +211,13 @@ void write_align(HapticSettings& settings, MetaWriter& writer) {
 void read_align(MetaReader& reader, HapticSettings& settings) {
   if (!reader.has(kAlignKey)) return;
   reader(kAlignKey, Choice<Alignment>{settings.a4.align, Alignment::kForward});
+}
+
+// After all other settings: forward is for one motor and the corrected Table 1.
+void check_recorded_align(MetaReader& reader, const RecordedSetup& setup) {
+  const A4Settings& a4 = setup.haptics.a4;
+  const auto error = check_align(a4.align, a4.table1, setup.actuation.actuators());
+  if (error) reader.fail(kAlignKey, error->problem);
 }
 
 void write_strategy(HapticSettings& settings, MetaWriter& writer) {
@@ -413,6 +421,7 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
     reader("session.max_force_N", most_N);
     session.max_force_N = most_N;
   }
+  check_recorded_align(reader, session.setup);
   const double scale = session.setup.scene.scale;
   if (!(scale > 0.0) || !std::isfinite(scale)) reader.fail("scene.scale", "is not above 0");
   if (reader.error()) return *reader.error();

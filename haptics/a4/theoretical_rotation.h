@@ -41,7 +41,8 @@ struct AxisAngle {
 //   One actuator and kForward: T = A1. Near -A1, two ways round are equally long. While N is at
 //   most kHysteresis from -A1, the scene turns on in the direction in which it turned; a new
 //   contact there turns about +A3, or about another fixed axis if the motor pushes along A3. The
-//   angle is therefore at most pi + kHysteresis.
+//   angle is therefore at most pi + kHysteresis. With 3 sensors, N may go round -A1 there; the axis
+//   N x A1 then goes with it, on the side of the last axis.
 //
 // Thread-safety: one thread owns an object.
 class TheoreticalRotation {

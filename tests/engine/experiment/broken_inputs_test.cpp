@@ -632,7 +632,7 @@ TEST(TrialsFile, ReadsTheLevelsOfAPlan) {
   const std::string names =
       "participant,block,haptic,rotation,object,status,view,align,start_orientation_deg,scale\n";
   const auto rows = parse_trials(
-      names + "1,1,H,R,O1,done,,,,\n1,1,H,R,O1,done,still,forward,-144,0.5\n", "t.csv");
+      names + "1,1,H,R,O1,done,,NA,,\n1,1,H,R,O1,done,still,forward,-144,0.5\n", "t.csv");
   ASSERT_TRUE(rows.ok()) << rows.error().to_string();
   EXPECT_EQ(rows->front().view, "turning");
   EXPECT_EQ(rows->front().align, "nearest");
@@ -651,6 +651,14 @@ TEST(TrialsFile, ReadsTheLevelsOfAPlan) {
     ASSERT_FALSE(refused.ok()) << levels;
     expect_error(refused.error(), "line 2, column " + column, expected, "t.csv");
     EXPECT_NE(refused.error().hint.find("another meaning"), std::string::npos);
+  }
+  for (const auto& [following, view, expected] :
+       {std::array{"delayed", "still", "turning"}, std::array{"adapts-1", "turning", "still"}}) {
+    const auto refused = parse_trials(
+        "following," + names + following + ",1,1,H,R,O1,done," + view + ",,,\n", "t.csv");
+    ASSERT_FALSE(refused.ok());
+    expect_error(refused.error(), "line 2, column view",
+                 std::string("expected ") + expected + ", because the following is", "t.csv");
   }
 }
 

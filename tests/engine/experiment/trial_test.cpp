@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/experiment/contour_place.h"
+#include "engine/experiment/experiment_scene.h"
 #include "engine/experiment/operator_hand.h"
 #include "engine/experiment/seen_picture.h"
 #include "engine/experiment/trials_file.h"
@@ -272,26 +273,24 @@ Eigen::Matrix4d matrix_of(const ScenePose& pose) {
 
 constexpr double kSize_m = 0.2;  // of a scene
 
-TEST(StillPicture, IsTheTurningOneMappedBackByThePose) {
+TEST(SeenPicture, IsInTheStillViewTheTurningOneMappedBackByThePose) {
   Random random(2301);
   for (int i = 0; i < 10'000; ++i) {
     const ScenePose first = random_planar_pose(random);
     const ScenePose now = random_planar_pose(random);
-    const SeenPicture turning{now, now.point(kSize_m * random.unit_vector()),
-                              now.point(kSize_m * random.unit_vector())};
-    const SeenPicture still = still_picture(turning, first);
+    const Vec3 proxy_m = kSize_m * random.unit_vector();
+    const Vec3 device_m = kSize_m * random.unit_vector();
+    const SeenPicture turning = seen_picture(View::kTurning, first, now, proxy_m, device_m);
+    const SeenPicture still = seen_picture(View::kStill, first, now, proxy_m, device_m);
     const Eigen::Matrix4d back = matrix_of(first) * matrix_of(now).inverse();
     const auto mapped = [&](const Vec3& p_m) { return Vec3((back * p_m.homogeneous()).head<3>()); };
-    ASSERT_LE((still.proxy_m - mapped(turning.proxy_m)).norm(), 1e-12 * kSize_m);
-    ASSERT_LE((still.device_m - mapped(turning.device_m)).norm(), 1e-12 * kSize_m);
+    ASSERT_EQ(turning.device_m(), now.point(device_m));
+    ASSERT_LE((still.proxy_m() - mapped(turning.proxy_m())).norm(), 1e-12 * kSize_m);
+    ASSERT_LE((still.device_m() - mapped(turning.device_m())).norm(), 1e-12 * kSize_m);
     // The scene keeps its first pose.
     const Vec3 p_scene_m = kSize_m * random.unit_vector();
     ASSERT_EQ(still.T_picture_scene.point(p_scene_m), first.point(p_scene_m));
     ASSERT_LE((first.point(p_scene_m) - mapped(now.point(p_scene_m))).norm(), 1e-12 * kSize_m);
-    // Nothing has turned: the same bits.
-    const SeenPicture same = still_picture(turning, now);
-    ASSERT_EQ(same.proxy_m, turning.proxy_m);
-    ASSERT_EQ(same.device_m, turning.device_m);
   }
 }
 
@@ -315,7 +314,13 @@ TEST(AdaptedPose, HasTheTurnThatThePersonAdaptsTo) {
       const Vec3 p_m = kSize_m * random.unit_vector();
       ASSERT_LE((pose.point(p_m) - now.point(p_m)).norm(), 1e-12 * kSize_m);
     }
-    ASSERT_TRUE(is_same_pose(adapted_pose(now, now, seen_m, felt_m, 0.5), now));
+    // A scene that has moved without turning, as the strategy cd moves it.
+    const ScenePose moved{now.rotation, now.translation_m + kSize_m * random.unit_vector()};
+    for (const double share : {0.0, 0.5, 1.0}) {
+      const ScenePose same = adapted_pose(now, moved, seen_m, moved.point(seen_m), share);
+      ASSERT_EQ(same.rotation.coeffs(), moved.rotation.coeffs());
+      ASSERT_EQ(same.translation_m, moved.translation_m);
+    }
   }
 }
 
@@ -346,7 +351,7 @@ TEST(OperatorHand, ThatAdaptsWhollyBelievesInTheTurningPose) {
     put(pose.point(goal_m), record.device_m);
     const HandTarget seen = turning.target(1e-3 * n, pose, record);
     const HandTarget adapted = adapting.target(1e-3 * n, pose, record);
-    ASSERT_LE((seen.position_m - adapted.position_m).norm(), 1e-12 * kSize_m) << n;
+    ASSERT_EQ(seen.position_m, adapted.position_m) << n;
     pose = turned_about(pose, p.way.green_m, {Vec3::UnitZ(), 1e-3});
   }
 }
@@ -418,6 +423,58 @@ TEST(Trial, GivesTheSameRowAgainAndForEachFollowingIfTheSceneDoesNotTurn) {
     }
     conditions.noise_seed = 43;
     EXPECT_NE(row_of(run(c.object, shaking_person(), conditions)), row_of(first));
+  }
+}
+
+// With rotation too, a person who adapts wholly does what a person does who sees the scene turn.
+TEST(Trial, OfAPersonWhoAdaptsWhollyIsTheTrialOfOneWhoSeesTheSceneTurn) {
+  for (const char* const object : kPaperObjects) {
+    TrialConditions conditions;
+    conditions.a4 = true;
+    conditions.noise_seed = 44;
+    const TrialOutcome seen = run(object, shaking_person(), conditions);
+    conditions.following = Following::kAdaptsWhole;
+    EXPECT_EQ(row_of(run(object, shaking_person(), conditions)), row_of(seen)) << object;
+  }
+}
+
+// Nothing turns: in a large scene, farther than an arm reaches, and in a scene that `cd` moves.
+TEST(Trial, InTheStillViewIsTheTurningOneIfNothingTurns) {
+  SceneSettings large;
+  large.fit_size_m = 3.0;
+  auto star = Scene::load(std::string(PALPATE_MODELS_DIR) + "/star.glb", large);
+  ASSERT_TRUE(star.ok());
+  RunSettings device = test::paper_device();
+  set_workspace_extent(device.device, 10.0);
+  const PreparedObject far = test::prepared(std::move(*star), device);
+  OperatorParameters fast = shaking_person();
+  fast.speed_m_per_s = 0.5;
+  auto small = Scene::load(std::string(PALPATE_MODELS_DIR) + "/star.glb");
+  ASSERT_TRUE(small.ok());
+  PreparedObject turned = test::prepared(std::move(*small));
+  turned.setup = turned_setup(turned.setup, 33.0);
+  TrialConditions cd;
+  cd.strategy = Strategy{StrategyKind::kControlDisplay};
+  struct Case {
+    const PreparedObject* object;
+    OperatorParameters person;
+    TrialConditions conditions;
+  };
+  for (const Case& c : {Case{&far, fast, {}}, Case{&turned, shaking_person(), cd}}) {
+    TrialConditions conditions = c.conditions;
+    const auto row = [&](Following following) {
+      conditions.following = following;
+      const auto outcome =
+          run_trial(c.object->scene, c.object->way, c.object->setup, {}, c.person, conditions);
+      EXPECT_TRUE(outcome.ok());
+      return row_of(*outcome);
+    };
+    const std::string turning = row(Following::kDelayed);
+    EXPECT_NE(turning.find("done"), std::string::npos) << turning;
+    for (const Following following :
+         {Following::kAdaptsNone, Following::kAdaptsHalf, Following::kAdaptsWhole}) {
+      EXPECT_EQ(row(following), turning);
+    }
   }
 }
 

@@ -143,11 +143,63 @@ TEST(VariantDifferences, CompareTheStillViewWithTheFirstFollowingOfTheTurningOne
     pairs.insert(analysis->operators[difference.second].name() + " - " +
                  analysis->operators[difference.first].name());
   }
-  EXPECT_EQ(pairs, (std::set<std::string>{
-                       "delayed, scale 0.5 - delayed", "predict, scale 0.5 - predict",
-                       "adapts-0 - delayed", "adapts-0.5 - delayed", "adapts-1 - delayed",
-                       "adapts-0 - delayed, scale 0.5", "adapts-0.5 - delayed, scale 0.5",
-                       "adapts-1 - delayed, scale 0.5"}));
+  EXPECT_EQ(pairs, (std::set<std::string>{"delayed, scale 0.5 - delayed",
+                                          "predict, scale 0.5 - predict", "adapts-0 - delayed",
+                                          "adapts-0.5 - delayed", "adapts-1 - delayed"}))
+      << "pairs that differ in one setting";
+}
+
+TEST(VariantDifferences, DoNotPairPeopleWithSimulatedPersons) {
+  const TrialVariant still{"still", "nearest", 0.0, 1.0};
+  auto rows = trials_of("", {}, 1);
+  append(rows, trials_of("", still, 2));
+  append(rows, trials_of("delayed", {}, 3));
+  append(rows, trials_of("adapts-0", still, 4));
+  const auto analysis = analyse_trials(rows, kLimit_s);
+  ASSERT_TRUE(analysis.ok()) << analysis.error().to_string();
+  std::set<std::string> pairs;
+  for (const VariantDifference& difference : analysis->differences) {
+    pairs.insert(analysis->operators[difference.second].name() + " - " +
+                 analysis->operators[difference.first].name());
+  }
+  EXPECT_EQ(pairs, (std::set<std::string>{"people, view still - people", "adapts-0 - delayed"}));
+}
+
+// Differences by rounding alone are no differences.
+TEST(VariantDifferences, OfRoundingHaveNoTest) {
+  auto rows = trials_of("delayed", {}, 1);
+  auto turned = rows;
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    turned[i].start_orientation_deg = 45.0;
+    double& time = *turned[i].measures[kTotalTime];
+    time = i % 3 == 0 ? std::nextafter(time, 1e9) : time;
+  }
+  append(rows, turned);
+  const auto analysis = analyse_trials(rows, kLimit_s);
+  ASSERT_TRUE(analysis.ok()) << analysis.error().to_string();
+  for (const VariantDifference& difference : analysis->differences) {
+    EXPECT_TRUE(std::isnan(difference.test.p)) << difference.test.p;
+  }
+}
+
+// Many levels of one setting are compared with the first one only.
+TEST(VariantDifferences, GrowWithTheNumberOfLevelsAndNotWithItsSquare) {
+  std::vector<TrialRow> rows;
+  constexpr int kLevels = 20;
+  for (int level = 0; level < kLevels; ++level) {
+    append(rows, trials_of("delayed", {"turning", "nearest", 5.0 * level, 1.0}, 1, 2));
+  }
+  const auto analysis = analyse_trials(rows, kLimit_s);
+  ASSERT_TRUE(analysis.ok()) << analysis.error().to_string();
+  EXPECT_EQ(analysis->differences.size(), (kLevels - 1) * 4u * 6u);
+  for (int level = kLevels; level <= 100; ++level) {
+    append(rows, trials_of("delayed", {"turning", "nearest", 3.0 * level + 100.0, 1.0}, 1, 2));
+  }
+  const auto refused = analyse_trials(rows, kLimit_s);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().problem.find("101 experiments; expected at most 100"),
+            std::string::npos)
+      << refused.error().to_string();
 }
 
 TEST(VariantReport, HasATableOfDifferencesIfThereAreSeveralVariants) {
