@@ -7,7 +7,7 @@
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../setup.sh"
 install_missing_packages
-build_preset release palpate palpate_benchmarks
+build_preset release palpate palpate_benchmarks write_contour_angles
 
 cpu_field() { sed -n "s/^$1[[:space:]]*: //p" /proc/cpuinfo | head -n 1; }
 
@@ -40,4 +40,5 @@ fi
 mkdir -p "${result%/*}"
 grep -v '"host_name":' "$fresh" >"$result"
 "$palpate_root/benchmarks/measure_objects.py" "$palpate_root/build/release/palpate"
+"$palpate_root/benchmarks/measure_contour_angles.py" "$palpate_root/build/release/write_contour_angles"
 say "wrote benchmarks/results/$slug.json; run benchmarks/update_results.py to update RESULTS.md and README.md"

@@ -19,6 +19,7 @@ sys.dont_write_bytecode = True  # no folder beside the sources
 import a4_figure  # noqa: E402
 import accuracy_results  # noqa: E402
 import compare_results  # noqa: E402
+import contour_results  # noqa: E402
 import experiment_results  # noqa: E402
 import groove_figure  # noqa: E402
 import result_tables as tables  # noqa: E402
@@ -148,6 +149,7 @@ def blocks_of(root, machines):
     """{document: {block: text}}."""
     objects = tables.read_objects(root / "benchmarks/results/paper_objects/objects.json")
     experiment = experiment_results.read(root / "benchmarks/results/experiment")
+    contours = contour_results.read(root / "benchmarks/results/contour_angles.csv")
     comparison = compare_results.read(root / "benchmarks/results/compare")
     soaks = soak_results.read(root / "benchmarks/results/soak")
     view = session_results.read_view(root / "benchmarks/results/view/times.csv")
@@ -157,8 +159,10 @@ def blocks_of(root, machines):
     return {
         README: {"a4": a4_block(objects), "headline": headline_block(newest),
                  "compare": compare_results.block(comparison),
-                 "experiment": experiment_results.block(experiment)},
-        RESULTS: {"objects": tables.objects_table(objects), "soaks": soak_results.block(soaks),
+                 "experiment": joined(experiment_results.block(experiment),
+                                      contour_results.sentence(contours))},
+        RESULTS: {"objects": tables.objects_table(objects),
+                  "contours": contour_results.block(contours), "soaks": soak_results.block(soaks),
                   "view": session_results.view_block(view),
                   "frames": session_results.frames_block(frames),
                   "recording": session_results.recording_block(recording),

@@ -15,6 +15,7 @@
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_line.h"
 #include "engine/cli/command_output.h"
+#include "engine/cli/experiment_power.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/shard_option.h"
@@ -372,6 +373,7 @@ class ExperimentCommand final : public Command {
     add_run(*app_, run_);
     add_merge(*app_, merge_);
     add_analyse(*app_, analyse_);
+    add_power(*app_, power_);
     return app_;
   }
 
@@ -379,6 +381,7 @@ class ExperimentCommand final : public Command {
     if (app_->got_subcommand("run")) return run_plan(run_);
     if (app_->got_subcommand("analyse")) return analyse(analyse_);
     if (app_->got_subcommand("plan")) return write_plan(plan_);
+    if (app_->got_subcommand("power")) return run_power(power_);
     return merge(merge_);
   }
 
@@ -388,6 +391,7 @@ class ExperimentCommand final : public Command {
   ExperimentAnalyseRequest analyse_;
   ExperimentPlanRequest plan_;
   ExperimentMergeRequest merge_;
+  ExperimentPowerRequest power_;
 };
 
 }  // namespace

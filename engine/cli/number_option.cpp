@@ -25,7 +25,8 @@ std::string text_of(const RealRange& range) {
   text << "a finite number";
   const bool has_least = std::isfinite(range.least);
   if (has_least && std::isfinite(range.most)) {
-    text << " from " << range.least << " to " << range.most;
+    text << (range.is_least_out ? " above " : " from ") << range.least
+         << (range.is_least_out ? " and at most " : " to ") << range.most;
   } else if (has_least) {
     text << (range.is_least_out ? " above " : " of at least ") << range.least;
   }

@@ -3,6 +3,7 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
+#include <boost/math/special_functions/beta.hpp>
 #include <cmath>
 #include <limits>
 
@@ -37,6 +38,15 @@ double f_upper_tail(double f, double df1, double df2) {
   if (!(f >= 0.0) || !are_degrees(df1) || !are_degrees(df2)) return kUndefined;
   if (std::isinf(f)) return 0.0;
   return boost::math::cdf(boost::math::complement(FisherF(df1, df2), f));
+}
+
+double f_for_tail(double tail, double df1, double df2) {
+  if (!is_coverage(tail) || !are_degrees(df1) || !are_degrees(df2)) return kUndefined;
+  // F = (df2 / df1) x / (1 - x), where x has a beta distribution; rest is 1 - x without
+  // cancellation.
+  double rest = kUndefined;
+  const double x = boost::math::ibetac_inv(0.5 * df1, 0.5 * df2, tail, &rest, Quiet());
+  return df2 * x / (df1 * rest);
 }
 
 double t_two_sided(double t, double df) {

@@ -9,6 +9,9 @@ namespace palpate {
 // P(F > f) for Fisher's F with df1 and df2 degrees of freedom, which need not be integers.
 double f_upper_tail(double f, double df1, double df2);
 
+// The f with P(F > f) = tail; tail in (0, 1).
+double f_for_tail(double tail, double df1, double df2);
+
 // P(|T| > |t|) for Student's t.
 double t_two_sided(double t, double df);
 

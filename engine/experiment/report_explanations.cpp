@@ -56,6 +56,12 @@ std::string simulation_items() {
               "are no target. The hand slows down when the proxy and the device are far apart: "
               "this is our reading of the paper\u2019s instruction to keep frame and ball close, "
               "and it can favour force.") +
+         item("Why may the contact angles with rotation be below the paper\u2019s 32.1 deg?",
+              "The rule of alignment may be one reason. A4 turns the normal to the nearer end of "
+              "the "
+              "motor\u2019s axis unless the plan asks for the alignment forward. Table 1\u2019s "
+              "acos, taken literally, is that alignment: it turns the normal to the positive end, "
+              "by up to 180 deg, so that the normal is away from the axis for longer.") +
          item(
              "What follows from the construction?",
              "That force makes the penetration smaller (H &lt; UaH &lt; NoH) follows from springs, "

@@ -13,9 +13,13 @@ double turn_since_rad(const ScenePose& T_first, const ScenePose& T_now) {
   return angle_rad;
 }
 
+bool has_turned(const ScenePose& T_first, const ScenePose& T_now) {
+  return T_now.rotation.coeffs() != T_first.rotation.coeffs();
+}
+
 ScenePose adapted_pose(const ScenePose& T_first, const ScenePose& T_now, const Vec3& seen_scene_m,
                        const Vec3& felt_device_m, double share) {
-  if (is_same_pose(T_now, T_first)) return T_now;
+  if (share == 1.0 || !has_turned(T_first, T_now)) return T_now;
   const Eigen::AngleAxisd turn(share * turn_since_rad(T_first, T_now), Vec3::UnitZ());
   const Quat rotation = (Quat(turn) * T_first.rotation).normalized();
   return {rotation, felt_device_m - rotation * seen_scene_m};

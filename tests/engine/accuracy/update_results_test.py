@@ -198,6 +198,25 @@ def check_experiment(copy):
     expect(copy.run()[0] == 0, "the committed experiment is accepted")
 
 
+def check_contours(copy):
+    path = copy.root / "benchmarks/results/contour_angles.csv"
+    committed = path.read_text()
+    changed = re.sub(r"(?m)^(star,45,forward,27),[^,]*", r"\1,87.65", committed)
+    changed = re.sub(r"(?m)^(lock,0,nearest,27),[^,]*", r"\1,0.36", changed)
+    path.write_text(changed)
+    expect_refused(copy, "--check reports other angles of the hand without delay", "differs")
+    expect(copy.run()[0] == 0, "other angles of the hand without delay are accepted")
+    readme = copy.readme.read_text()
+    expect(" reaches 0.4 to " in readme and " to 87.7 deg with the literal one" in readme,
+           "the README has the ranges over objects and starts")
+    expect("| lock | 0.4 / " in copy.block("contours"), "the table has the mean of a start")
+    path.write_text("".join(line for line in committed.splitlines(keepends=True)
+                            if not line.startswith("lock,45,forward,20")))
+    expect_refused(copy, "a missing case is named", "contour_angles.csv")
+    path.write_text(committed)
+    expect(copy.run()[0] == 0, "the committed angles are accepted")
+
+
 def check_comparison(copy):
     path = copy.root / "benchmarks/results/compare/people2005.json"
     committed = path.read_text()
@@ -260,6 +279,7 @@ def main():
         check_markers(copy)
         check_pictures(copy)
         check_experiment(copy)
+        check_contours(copy)
         check_comparison(copy)
         check_two_machines(copy)
     print("the documents follow their results")

@@ -134,7 +134,7 @@ class ExperimentCommandTest : public testing::Test {
 };
 
 TEST_F(ExperimentCommandTest, BeginsTheHelpOfEverySubcommandWithExamples) {
-  for (const char* const name : {"plan", "run", "merge", "analyse"}) {
+  for (const char* const name : {"plan", "run", "merge", "analyse", "power"}) {
     const Outcome o = expect_done({name, "--help"});
     EXPECT_TRUE(o.out.starts_with("Example:\n  ./run.sh experiment ")) << o.out;
     const std::string own = std::string("  ./run.sh experiment ") + name + " ";
@@ -145,12 +145,14 @@ TEST_F(ExperimentCommandTest, BeginsTheHelpOfEverySubcommandWithExamples) {
 
 TEST_F(ExperimentCommandTest, RefusesUnknownSubcommandsAndBadArguments) {
   const Contents before = contents_of(path(""));
+  expect_refused({}, {"subcommand is required; expected plan, run, merge, analyse or power",
+                      "experiment --help"});
   expect_refused(
-      {}, {"subcommand is required; expected plan, run, merge or analyse", "experiment --help"});
-  expect_refused({"walk"},
-                 {"walk: is not a subcommand of experiment; expected plan, run, merge or analyse"});
-  expect_refused({"--out", "x"},
-                 {"--out: is not an option of experiment; expected plan, run, merge or analyse"});
+      {"walk"},
+      {"walk: is not a subcommand of experiment; expected plan, run, merge, analyse or power"});
+  expect_refused(
+      {"--out", "x"},
+      {"--out: is not an option of experiment; expected plan, run, merge, analyse or power"});
   expect_refused({"run"}, {"PLAN", "experiment run --help"});
   expect_refused({"run", "plan.json", "other.json"},
                  {"other.json: is an unexpected argument of run"});

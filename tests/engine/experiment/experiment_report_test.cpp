@@ -466,6 +466,7 @@ TEST(ExperimentReport, NamesSimulatedOperatorsAndNotPeople) {
     EXPECT_EQ(count_of(simulated, ": simulated operators, " + following + "</text>"), 3);
   }
   EXPECT_TRUE(has(simulated, "not of people"));
+  EXPECT_TRUE(has(simulated, "The rule of alignment may be one reason."));
   const Written people = written(sample_trials({}));
   EXPECT_FALSE(has(people.files.at("report.html"), "imulated"));
   EXPECT_TRUE(has(people.files.at("report.html"), "27 %"));

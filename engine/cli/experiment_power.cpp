@@ -1,0 +1,134 @@
+#include "engine/cli/experiment_power.h"
+
+#include <algorithm>
+#include <iostream>
+#include <utility>
+
+#include "engine/cli/command_help.h"
+#include "engine/cli/command_output.h"
+#include "engine/cli/number_option.h"
+#include "engine/cli/program_signals.h"
+#include "engine/experiment/experiment_run.h"
+#include "engine/experiment/power_report.h"
+#include "engine/experiment/power_text.h"
+#include "engine/report/output_files.h"
+#include "geometry/base/parallel.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kModelGroup = "Assumptions";
+constexpr const char* kSimulationGroup = "Simulation";
+
+int report_interrupted_power() {
+  std::cerr << "palpate: interrupted; nothing is written\n";
+  return exit_code_after_signals(0);
+}
+
+// Writes the report. The files appear together, unless a signal has arrived before.
+int report_power(const PowerStudy& study, const std::string& out_dir) {
+  auto files = OutputFiles::create(out_dir, power_report_names());
+  if (!files) return refuse(files.error());
+  const auto warnings = write_power_report(study, *files);
+  if (!warnings) return refuse(warnings.error());
+  {
+    const SignalPhaseScope not_now(SignalPhase::kDeferred);
+    if (signal_flag().requested()) return report_interrupted_power();
+    if (const auto error = files->move_into_place()) return refuse(*error);
+  }
+  std::cout << power_text(study) << "report.html, power.json and 2 tables are in " << out_dir
+            << "/\n";
+  return exit_code_after_signals(finish_output(*warnings));
+}
+
+void add_assumptions(CLI::App& app, PowerRequest& power) {
+  app.add_option("--measure", power.measure, "time, losses, penetration or angle")
+      ->capture_default_str()
+      ->group(kModelGroup);
+  app.add_option("--effect", power.effects,
+                 "means of the conditions: NoH-NoR=29,NoH-R=31,... for each of NoH, UaH, H with "
+                 "NoR, R; of the angle, UaH-NoR and UaH-R alone [the paper's means]")
+      ->type_name("LIST")
+      ->group(kModelGroup);
+  app.add_option("--pilot", power.pilot,
+                 "trials.csv of a pilot: it gives the variances of u, w and e")
+      ->type_name("FILE")
+      ->group(kModelGroup);
+  app.add_option("--following", power.following,
+                 "which trials of the pilot's file to use, if it has several kinds: delayed, "
+                 "predict, ..., or people")
+      ->type_name("NAME")
+      ->group(kModelGroup);
+  const RealRange sd{0.0, kMostPowerValue, true};
+  add_real(app, "--error", power.error_sd, sd,
+           "standard deviation of one trial: of u, w and e together [the paper's]")
+      ->group(kModelGroup);
+  add_real(app, "--share-u", power.share_u, {0.0, 1.0},
+           "share of u in the variance of one trial [a grid, 0.1 to 0.8]")
+      ->group(kModelGroup);
+  add_real(app, "--share-w", power.share_w, {0.0, 1.0}, "share of w [a grid, 0.1 to 0.8]")
+      ->group(kModelGroup);
+  add_integer(app, "--trials", power.trials, {1, kMostPowerTrials},
+              "trials of a person in a condition: objects times blocks")
+      ->group(kModelGroup);
+}
+
+}  // namespace
+
+int run_power(const ExperimentPowerRequest& request) {
+  PowerRequest power = request.power;
+  const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
+  power.settings.jobs = request.jobs.value_or(cores);
+  auto study = prepare_power(power);
+  if (!study) return refuse(study.error());
+  if (const auto error = check_output()) return refuse(*error);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  std::optional<PowerCounts> counts;
+  {
+    ProgressBar bar("power");
+    counts = simulate_power(
+        study->model, study->tests, study->settings(), [&](double share) { bar.show(share); },
+        &signal_flag());
+  }
+  if (!counts) return report_interrupted_power();
+  study->counts = std::move(*counts);
+  return report_power(*study, request.out_dir);
+}
+
+void add_power(CLI::App& experiment, ExperimentPowerRequest& request) {
+  CLI::App& app = *experiment.add_subcommand("power", "how many people an experiment needs");
+  set_help(app,
+           "  ./run.sh experiment power\n"
+           "  ./run.sh experiment power --measure angle --trials 4\n"
+           "  ./run.sh experiment power --effect NoH-NoR=30,NoH-R=34,UaH-NoR=29,UaH-R=29,H-NoR=27,"
+           "H-R=28 --error 9 --share-u 0.3 --share-w 0.1\n",
+           "A trial is y = condition + u(person) + w(person, condition) + e(trial), all normal. u "
+           "is how a\nperson differs in all conditions alike, w how this person differs in one "
+           "condition. Data sets are\nsimulated, and each one is analysed as `experiment analyse` "
+           "does, with its first 2, 3, ... people.\nThe power is the share of the data sets in "
+           "which a test is significant at 5 %. DIR/report.html has\nthe power over the number of "
+           "people, people.csv the smallest numbers, power.csv the curves.\n\n"
+           "The paper states the error of one trial as a whole. How much of it is u and w must be "
+           "assumed: a\nshare is a share of the variance u + w + e of one trial. Shares that are "
+           "not given run over a grid.\nA pilot (a file of `experiment run`, or of people) "
+           "measures u, w and e instead:\n"
+           "  ./run.sh experiment power --pilot experiment/trials.csv --following delayed\n");
+  add_assumptions(app, request.power);
+  PowerSettings& settings = request.power.settings;
+  add_integer(app, "--participants", settings.participants, {2, kMostPowerParticipants},
+              "largest number of people")
+      ->group(kSimulationGroup);
+  add_integer(app, "--sets", settings.sets, {100, kMostPowerSets}, "simulated data sets")
+      ->group(kSimulationGroup);
+  add_integer(app, "--seed", settings.seed, {0, (std::uint64_t{1} << 53) - 1},
+              "seed of the data sets")
+      ->group(kSimulationGroup);
+  add_integer(app, "--jobs", request.jobs, {1, kMostJobs},
+              "data sets to compute at the same time [the number of cores]")
+      ->group(kSimulationGroup);
+  app.add_option("--out", request.out_dir, "folder of the results")
+      ->capture_default_str()
+      ->group(kSimulationGroup);
+}
+
+}  // namespace palpate

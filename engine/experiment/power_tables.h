@@ -1,0 +1,25 @@
+#pragma once
+
+// The results of a PowerStudy for other programs.
+
+#include <string>
+
+#include "engine/experiment/power_study.h"
+#include "engine/experiment/result_table.h"
+
+namespace palpate {
+
+// people.csv: one row per assumption and test, with the smallest number of participants for each of
+// kPowerPercents. An empty number beside has_effect = 1: more than the largest number. Beside
+// has_effect = 0: the assumed means make the test's hypothesis true, so that no number helps.
+ResultTable power_people_table(const PowerStudy& study);
+
+// power.csv: one row per assumption, test and number of participants, with the power and its
+// 95 % interval (wilson_interval).
+ResultTable power_curve_table(const PowerStudy& study);
+
+// power.json: the request, the model, the pilot, the notes, and for each assumption and test the
+// counts of significant data sets from 2 participants on.
+std::string power_json(const PowerStudy& study);
+
+}  // namespace palpate

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""The report of `experiment power`, in a browser.
+
+power_browser_test.py PANELS REPORT.html
+power_browser_test.py PANELS --make PROGRAM ARGUMENT...
+                                         PROGRAM ARGUMENT... FOLDER writes FOLDER/report.html
+
+Opens the page in headless Chromium; its console must stay empty. Then measures the page in frames as
+wide as a screen and as a phone, with all parts unfolded: the page is no wider than the frame and
+requests nothing; a table wider than the frame scrolls within its own box; the answer comes first, and
+the numbers of people in its table are within the frame; there are PANELS panels, each names its axes,
+and no text in them is cut, covers another or is tiny. Exits with 77 if no Chromium is installed.
+"""
+
+import argparse
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from browser import measured_in_frames, open_page, run_test
+
+LEAST_TEXT_PX = 10.0  # the height of a line of text; that of a letter is about two thirds
+
+MEASURE = """
+const CUT = 1.0;  // px, how far the box of a text may reach out of its panel
+function measure_frame(frame) {
+  const page = frame.contentDocument;
+  page.querySelectorAll('details').forEach(part => part.open = true);
+  const panels = [...page.querySelectorAll('.panels svg')].map(svg => {
+    const box = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim());
+    const boxes = texts.map(text => text.getBoundingClientRect());
+    const cut = texts.filter((text, i) => {
+      const b = boxes[i];
+      return b.left < box.left - CUT || b.right > box.right + CUT ||
+             b.top < box.top - CUT || b.bottom > box.bottom + CUT;
+    });
+    const covering = [];
+    for (let i = 0; i < boxes.length; ++i) {
+      for (let j = 0; j < i; ++j) {
+        const across = Math.min(boxes[i].right, boxes[j].right) - Math.max(boxes[i].left, boxes[j].left);
+        const down = Math.min(boxes[i].bottom, boxes[j].bottom) - Math.max(boxes[i].top, boxes[j].top);
+        if (across > CUT && down > 0.3 * Math.min(boxes[i].height, boxes[j].height)) {
+          covering.push(texts[i].textContent.trim() + ' / ' + texts[j].textContent.trim());
+        }
+      }
+    }
+    return {name: svg.getAttribute('aria-label'), texts: texts.map(text => text.textContent.trim()),
+            cut: cut.map(text => text.textContent), covering: covering,
+            least: Math.min(...boxes.map(b => Math.max(b.width, b.height)))};
+  });
+  const requests = frame.contentWindow.performance.getEntriesByType('resource')
+      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
+  const people = [...page.querySelectorAll('#answer tbody tr')].map(row => row.children[2]);
+  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, requests: requests,
+          first: page.querySelector('main > section').id, people: people.length, panels: panels,
+          beyond: people.filter(cell => cell.getBoundingClientRect().right > frame.clientWidth)
+              .map(cell => cell.textContent),
+          boxes: [...page.querySelectorAll('.wide')].map(box => ({
+              right: box.getBoundingClientRect().right, scrolls: getComputedStyle(box).overflowX}))};
+}
+"""
+
+
+def panel_problems(panel):
+    problems = [f"cut: {text}" for text in panel["cut"]]
+    problems += [f"covers: {text}" for text in panel["covering"]]
+    problems += [f"lacks {text}" for text in ("number of people", "power") if text not in panel["texts"]]
+    if panel["least"] < LEAST_TEXT_PX:
+        problems.append(f"a text is {panel['least']} px large")
+    return [f"panel {panel['name']}: {problem}" for problem in problems]
+
+
+def frame_problems(frame, panels):
+    problems = []
+    if frame["content"] > frame["width"]:
+        problems.append(f"the page is {frame['content']} px wide")
+    problems += [f"requests {name}" for name in frame["requests"]]
+    problems += [f"beyond the frame: {text}" for text in frame["beyond"]]
+    if frame["first"] != "answer" or frame["people"] == 0:
+        problems.append(f"begins with {frame['first']} and {frame['people']} tests")
+    if len(frame["panels"]) != panels:
+        problems.append(f"has {len(frame['panels'])} panels; expected {panels}")
+    for panel in frame["panels"]:
+        problems += panel_problems(panel)
+    for number, box in enumerate(frame["boxes"]):
+        if box["right"] > frame["width"] or box["scrolls"] != "auto":
+            problems.append(f"table {number}: {box}")
+    return [f"{frame['width']} px: {problem}" for problem in problems]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("panels", type=int)
+    parser.add_argument("report", nargs="?", type=pathlib.Path)
+    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
+    options = parser.parse_args()
+    if (options.report is None) == (options.make is None):
+        parser.error("either a report or a program that makes one")
+
+    def problems_of(browser, page, folder):
+        path = folder / "page.html"
+        path.write_text(page, encoding="utf-8")
+        _, console = open_page(browser, path, folder / "profile")
+        problems = [f"on the console: {line}" for line in console]
+        for frame in measured_in_frames(browser, page, folder, MEASURE):
+            problems += frame_problems(frame, options.panels)
+        return problems
+
+    return run_test(options.report, options.make, problems_of)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
