@@ -19,12 +19,16 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/shard_option.h"
+#include "engine/experiment/canonical_plan.h"
+#include "engine/experiment/canonical_rows.h"
+#include "engine/experiment/canonical_run.h"
 #include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/experiment_merge.h"
 #include "engine/experiment/experiment_report.h"
 #include "engine/experiment/experiment_run.h"
 #include "engine/experiment/paper_plan.h"
 #include "engine/experiment/plan.h"
+#include "engine/experiment/shipped_files.h"
 #include "engine/experiment/trial.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/report/whole_file.h"
@@ -69,6 +73,22 @@ std::string merged_text(const MergedExperiment& merged, const std::string& folde
   return text.str();
 }
 
+std::string merged_text(const MergedCanonical& merged, const std::string& folder) {
+  std::ostringstream text;
+  text << merged.trials << " trials of " << merged.participants
+       << (merged.participants == 1 ? " participant" : " participants") << " at the canonical wall";
+  if (merged.without_result > 0) text << ", " << merged.without_result << " without a result";
+  text << "\ncanonical.csv, columns.csv, report.html and run.json are in " << folder << "/\n";
+  return text.str();
+}
+
+const std::vector<std::string>& warnings_of(const MergedCanonical& merged) {
+  return merged.warnings;
+}
+std::vector<std::string> warnings_of(const MergedExperiment&) {
+  return {};
+}
+
 // Options of one subcommand. Each has a function that adds them and one that runs.
 
 struct ExperimentRunRequest {
@@ -80,7 +100,8 @@ struct ExperimentRunRequest {
 };
 
 // What the run did, for the user.
-std::string outcome_text(const ExperimentRunOutcome& outcome, const ExperimentRunRequest& request) {
+template <typename RunOutcome>
+std::string outcome_text(const RunOutcome& outcome, const ExperimentRunRequest& request) {
   std::string text;
   if (!outcome.kept.empty()) {
     text += "kept " + participants_text(outcome.kept) + ", complete in " + request.out_dir +
@@ -95,12 +116,49 @@ std::string outcome_text(const ExperimentRunOutcome& outcome, const ExperimentRu
          shell_line({"experiment", "merge", request.out_dir, "...", "--out", "experiment"}) + "\n";
 }
 
-int report_interruption(const ExperimentRunOutcome& outcome, const ExperimentRunRequest& request) {
+int report_interruption(const DealtOutcome& outcome, const ExperimentRunRequest& request) {
   const std::size_t done = outcome.computed.size() + outcome.kept.size();
   std::cerr << "palpate: interrupted; " << done << " of " << done + outcome.not_done.size()
             << " participants are complete in " << request.out_dir
             << "/parts, and the same command goes on from there\n";
   return exit_code_after_signals(0);
+}
+
+// warnings: of the plan. run: a function that takes the progress and returns a Result of an outcome
+// with `merged`.
+template <typename Run>
+int run_with_progress(const ExperimentRunRequest& request, std::vector<std::string> warnings,
+                      const Run& run) {
+  if (const auto error = check_output()) return refuse(*error);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  const auto outcome = [&] {
+    ProgressBar bar("experiment");
+    return run([&](const RunProgress& progress) {
+      bar.show(progress.time_left_s
+                   ? "experiment, " + duration_text(*progress.time_left_s) + " left"
+                   : "experiment",
+               progress.share);
+    });
+  }();
+  if (!outcome) return refuse(outcome.error());
+  if (!outcome->not_done.empty()) return report_interruption(*outcome, request);
+  std::cout << outcome_text(*outcome, request);
+  if (outcome->merged) {
+    for (const std::string& warning : warnings_of(*outcome->merged)) warnings.push_back(warning);
+  }
+  return exit_code_after_signals(finish_output(warnings));
+}
+
+int run_canonical_plan(const CanonicalPlan& plan, const ExperimentRunSettings& settings,
+                       const ExperimentRunRequest& request) {
+  if (settings.writes_traces) {
+    return refuse(invalid_argument("--traces", "is given with a canonical plan; expected no traces",
+                                   "leave it out"));
+  }
+  return run_with_progress(request, {}, [&](const auto& show) {
+    return run_canonical(plan, {settings.out_folder, settings.shard, settings.jobs}, show,
+                         &signal_flag());
+  });
 }
 
 int run_plan(const ExperimentRunRequest& request) {
@@ -114,25 +172,14 @@ int run_plan(const ExperimentRunRequest& request) {
   }
   const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
   settings.jobs = request.jobs.value_or(settings.shard ? 1 : cores);
+  const auto canonical = load_canonical_plan(request.plan);
+  if (!canonical) return refuse(canonical.error());
+  if (*canonical) return run_canonical_plan(**canonical, settings, request);
   const auto plan = load_plan(request.plan);
   if (!plan) return refuse(plan.error());
-  if (const auto error = check_output()) return refuse(*error);
-  const SignalPhaseScope in_order(SignalPhase::kInOrder);
-  Result<ExperimentRunOutcome> outcome = ExperimentRunOutcome{};
-  {
-    ProgressBar bar("experiment");
-    const auto show = [&](const RunProgress& progress) {
-      bar.show(progress.time_left_s
-                   ? "experiment, " + duration_text(*progress.time_left_s) + " left"
-                   : "experiment",
-               progress.share);
-    };
-    outcome = run_experiment(*plan, settings, {find_trial_way, run_trial}, show, &signal_flag());
-  }
-  if (!outcome) return refuse(outcome.error());
-  if (!outcome->not_done.empty()) return report_interruption(*outcome, request);
-  std::cout << outcome_text(*outcome, request);
-  return exit_code_after_signals(finish_output(plan->warnings()));
+  return run_with_progress(request, plan->warnings(), [&](const auto& show) {
+    return run_experiment(*plan, settings, {find_trial_way, run_trial}, show, &signal_flag());
+  });
 }
 
 void add_run(CLI::App& experiment, ExperimentRunRequest& request) {
@@ -143,8 +190,11 @@ void add_run(CLI::App& experiment, ExperimentRunRequest& request) {
            "A participant's trials appear in DIR/parts together. If the command is interrupted or "
            "killed, the\nsame command computes the missing participants only. trials.csv, "
            "columns.csv and run.json appear\nwhen all participants are complete; run.log has the "
-           "times of computing.\nResults of another plan in DIR are replaced.\n");
-  app.add_option("PLAN", request.plan, "plan, a JSON file; `paper` is the plan that ships")
+           "times of computing.\nResults of another plan in DIR are replaced.\n\n"
+           "A plan with \"protocol\": \"canonical\" has a wall in place of objects: "
+           "canonical.csv and report.html\nappear in place of trials.csv.\n");
+  app.add_option("PLAN", request.plan,
+                 "plan, a JSON file; `paper` and `canonical` are the plans that ship")
       ->required();
   app.add_option("--out", request.out_dir, "folder of the results")->capture_default_str();
   app.add_option("--shard", request.shard,
@@ -163,9 +213,11 @@ struct ExperimentPlanRequest {
 };
 
 int write_plan(const ExperimentPlanRequest& request) {
-  if (request.name != kPaperPlan) {
-    return refuse(invalid_argument(
-        "NAME", "is \"" + request.name + "\"; expected " + std::string(kPaperPlan)));
+  const bool is_canonical = request.name == kCanonicalPlan;
+  if (request.name != kPaperPlan && !is_canonical) {
+    return refuse(invalid_argument("NAME", "is \"" + request.name + "\"; expected " +
+                                               std::string(kPaperPlan) + " or " +
+                                               std::string(kCanonicalPlan)));
   }
   const std::string path = request.out_path.empty() ? request.name + ".json" : request.out_path;
   std::error_code failed;
@@ -174,7 +226,8 @@ int write_plan(const ExperimentPlanRequest& request) {
                    "exists already, and may have been edited; expected a new file",
                    "choose another name with --out, or remove the file"});
   }
-  const auto text = paper_plan_for(fs::path(path).parent_path().string());
+  const auto text = is_canonical ? Result<std::string>(std::string(shipped_canonical()))
+                                 : paper_plan_for(fs::path(path).parent_path().string());
   if (!text) return refuse(text.error());
   auto file = WholeFile::create(path);
   if (!file) return refuse(file.error());
@@ -186,11 +239,15 @@ int write_plan(const ExperimentPlanRequest& request) {
 
 void add_plan(CLI::App& experiment, ExperimentPlanRequest& request) {
   CLI::App& app =
-      *experiment.add_subcommand("plan", "write the plan that ships, to edit it or to read it");
-  set_help(app, "  ./run.sh experiment plan paper --out plan.json\n",
+      *experiment.add_subcommand("plan", "write a plan that ships, to edit it or to read it");
+  set_help(app,
+           "  ./run.sh experiment plan paper --out plan.json\n"
+           "  ./run.sh experiment plan canonical --out wall.json\n",
            "The paths of the objects in the plan lead from the plan's folder to the models.\n");
-  app.add_option("NAME", request.name, "paper: the paper's experiment")->required();
-  app.add_option("--out", request.out_path, "file to write; it must not exist [paper.json]");
+  app.add_option("NAME", request.name,
+                 "paper: the paper's experiment; canonical: a wall at an angle to the motor")
+      ->required();
+  app.add_option("--out", request.out_path, "file to write; it must not exist [NAME.json]");
 }
 
 struct ExperimentMergeRequest {
@@ -198,25 +255,35 @@ struct ExperimentMergeRequest {
   std::string out_dir = "experiment";
 };
 
+template <typename Merged>
+Result<std::string> merged_folders(const Result<Merged>& merged, const std::string& out,
+                                   std::vector<std::string>& warnings) {
+  if (!merged) return merged.error();
+  warnings = warnings_of(*merged);
+  return merged_text(*merged, out);
+}
+
 // Joins the parts of any kind of run, and returns what the user reads.
-Result<std::string> merge_folders(const std::vector<std::string>& folders, const std::string& out) {
+Result<std::string> merge_folders(const std::vector<std::string>& folders, const std::string& out,
+                                  std::vector<std::string>& warnings) {
   const auto kind = kind_of_run_in(folders.front());
   if (!kind) return kind.error();
   switch (*kind) {
     case RunKind::kExperiment:
       break;
+    case RunKind::kCanonical:
+      return merged_folders(merge_canonical(folders, out), out, warnings);
   }
-  const auto merged = merge_experiment(folders, out);
-  if (!merged) return merged.error();
-  return merged_text(*merged, out);
+  return merged_folders(merge_experiment(folders, out), out, warnings);
 }
 
 int merge(const ExperimentMergeRequest& request) {
   if (const auto error = check_output()) return refuse(*error);
-  const auto text = merge_folders(request.folders, request.out_dir);
+  std::vector<std::string> warnings;
+  const auto text = merge_folders(request.folders, request.out_dir, warnings);
   if (!text) return refuse(text.error());
   std::cout << *text;
-  return finish_output();
+  return finish_output(warnings);
 }
 
 void add_merge(CLI::App& experiment, ExperimentMergeRequest& request) {
@@ -238,6 +305,7 @@ struct ExperimentAnalyseRequest {
 };
 
 int analyse(const ExperimentAnalyseRequest& request) {
+  if (const auto error = check_not_canonical(request.source.file)) return refuse(*error);
   auto rows = read_trials(request.source.file);
   if (!rows) {
     Error error = rows.error();

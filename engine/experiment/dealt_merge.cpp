@@ -184,8 +184,9 @@ Result<JoinedParts> join_parts(const std::vector<std::string>& folders, RunKind 
 }
 
 std::optional<Error> write_results(const std::string& folder,
-                                   const std::vector<std::pair<std::string, std::string>>& texts) {
-  std::vector<std::string> names;
+                                   const std::vector<std::pair<std::string, std::string>>& texts,
+                                   const std::vector<std::string>& obsolete) {
+  std::vector<std::string> names = obsolete;
   for (const auto& [name, text] : texts) names.push_back(name);
   auto files = OutputFiles::create(folder, names);
   if (!files) return files.error();

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/experiment/canonical_run.h"
 #include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/run_identity.h"
 #include "engine/experiment/trials_file.h"
@@ -46,9 +47,11 @@ Result<MergedExperiment> merge_experiment(const std::vector<std::string>& folder
   const auto rows =
       parse_trials(trials, (std::filesystem::path(out_folder) / kTrialsFile).string());
   if (!rows) return rows.error();
-  if (auto error = write_results(out_folder, {{kTrialsFile, trials},
-                                              {kColumnsFile, columns_csv(identity.columns())},
-                                              {kRunFile, run_json(identity, *rows)}})) {
+  if (auto error = write_results(out_folder,
+                                 {{kTrialsFile, trials},
+                                  {kColumnsFile, columns_csv(identity.columns())},
+                                  {kRunFile, run_json(identity, *rows)}},
+                                 canonical_results_in(out_folder))) {
     return *error;
   }
   MergedExperiment merged{identity.units, rows->size(), {}};

@@ -10,6 +10,7 @@
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/paper_plan.h"
 #include "engine/experiment/plan_device.h"
+#include "engine/experiment/plan_operator.h"
 #include "engine/experiment/strict_json.h"
 #include "geometry/base/quoted.h"
 
@@ -95,24 +96,6 @@ void read_objects(ObjectReader& reader, const std::string& folder, ExperimentPla
     object.path = (fs::path(folder) / object.file).string();
     plan.objects.push_back(std::move(object));
   }
-}
-
-void read_operator(ObjectReader& reader, const std::string& folder, ExperimentPlan& plan) {
-  std::string name;
-  reader.text("operator", name, Key::kRequired, kMostProseBytes);
-  if (!reader.ok()) return;
-  const bool is_shipped = !shipped_operator_text(name).empty();
-  auto file = load_operator(is_shipped ? name : (fs::path(folder) / name).string());
-  if (file) {
-    plan.person = std::move(*file);
-    return;
-  }
-  if (file.error().code != ErrorCode::kFileNotFound) return reader.fail(file.error());
-  std::vector<std::string_view> words = words_of(kShippedOperators);
-  words.emplace_back("the path of an operator file");
-  reader.fail(plan_error(reader.element_of("operator"),
-                         "is " + in_quotes(name) + "; expected " + joined_words(words),
-                         "there is no such file in the folder of the plan"));
 }
 
 void read_device(ObjectReader& reader, ExperimentPlan& plan) {
@@ -405,7 +388,7 @@ Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path
   read_factors(reader, plan);
   read_order(reader, plan);
   read_objects(reader, folder, plan);
-  read_operator(reader, folder, plan);
+  read_plan_operator(reader, folder, plan.person);
   check_trials(reader, plan);
   if (auto error = reader.finish()) {
     if (error->path.empty()) error->path = path;

@@ -18,14 +18,17 @@
 
 namespace palpate {
 
+struct CanonicalPlan;
+
 // What is run (dealt_run.h), and what its units are.
-enum class RunKind : std::uint8_t { kExperiment };
+enum class RunKind : std::uint8_t { kExperiment, kCanonical };
 struct RunKindWords {
   std::string_view name;  // in run.json; empty: the entry is absent
   std::string_view noun;  // of a unit
   const char* nouns;      // the entry of their count in run.json
 };
-inline constexpr std::array<RunKindWords, 1> kRunKinds = {{{"", "participant", "participants"}}};
+inline constexpr std::array<RunKindWords, 2> kRunKinds = {
+    {{"", "participant", "participants"}, {"canonical", "participant", "participants"}}};
 constexpr const RunKindWords& words_of(RunKind kind) {
   return kRunKinds[static_cast<std::size_t>(kind)];
 }
@@ -62,6 +65,7 @@ struct RunIdentity {
 };
 
 RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<ExperimentScene>& scenes);
+RunIdentity identity_of(const CanonicalPlan& plan);
 
 // Reads the text of json(). path: for messages.
 Result<RunIdentity> parse_identity(const std::string& text, const std::string& path);

@@ -8,6 +8,7 @@ namespace palpate {
 
 std::string_view shipped_literature();  // literature.json
 std::string_view shipped_people2005();  // people2005.json
+std::string_view shipped_canonical();   // canonical.json
 std::string_view shipped_paper();       // paper.json: its objects are file names without a folder
 
 }  // namespace palpate

@@ -1,0 +1,37 @@
+#include "engine/experiment/canonical_trial.h"
+
+#include <limits>
+
+#include "engine/experiment/canonical_measures.h"
+#include "engine/experiment/canonical_wall.h"
+#include "engine/experiment/trial.h"
+#include "engine/simulation/hand_session.h"
+
+namespace palpate {
+
+Result<CanonicalOutcome> run_canonical_trial(const Scene& wall, const RunSetup& device,
+                                             double display_Hz, const OperatorParameters& person,
+                                             const CanonicalConditions& conditions) {
+  const RunSetup setup =
+      canonical_setup(device, conditions.cell.angle_deg, conditions.cell.rotates);
+  const PlantSettings plant = plant_of(setup, person, conditions.noise_seed);
+  if (const auto error = check_setup(wall, setup)) return *error;
+  if (const auto error = check_plant(plant, setup.dt_s)) return *error;
+  CanonicalHand hand(person, conditions.cell.motion, display_Hz, setup.haptics.god_object.radius_m);
+  CanonicalMeasures measures;
+  const auto session =
+      HandSession::create(wall, setup, plant, hand, hand.start_scene_m(), {&measures});
+  if (!session) return session.error();
+  constexpr auto kUntilTheMotionEnds = std::numeric_limits<std::uint64_t>::max();
+  CanonicalOutcome outcome;
+  outcome.ticks = (*session)->run_simulated(
+      kUntilTheMotionEnds, [&](std::uint64_t) { return hand.is_over() || measures.is_spoilt(); });
+  outcome.loop_ns = measures.loop_ns();
+  outcome.is_spoilt = measures.is_spoilt();
+  if (outcome.is_spoilt) return outcome;
+  outcome.along_over_into = measures.along_over_into();
+  outcome.share_within_30deg = measures.share_within_30deg();
+  return outcome;
+}
+
+}  // namespace palpate

@@ -1,0 +1,260 @@
+// `palpate experiment` with a canonical plan, as a user or a script runs it.
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/engine/cli/run_program.h"
+#include "tests/helpers/gltf_builder.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::content_of;
+using test::Outcome;
+using test::StartedProgram;
+using test::TemporaryFolder;
+
+using Arguments = std::vector<std::string>;
+using Contents = std::map<std::string, std::string>;  // of files, by their name
+
+constexpr int kPersons = 7;
+
+Json wall_plan() {
+  return Json::parse(R"({"palpate_plan": 1, "name": "wall", "protocol": "canonical", "seed": 5,
+      "participants": 7,
+      "device": {"sensors": 2, "actuators": 1, "rate_Hz": 1000, "stiffness_N_per_m": 1000,
+                 "damping_Ns_per_m": 2},
+      "display_Hz": 40, "angles_deg": [30, 75], "operator": "literature"})");
+}
+
+Contents canonical_results(const std::string& folder) {
+  Contents results;
+  for (const char* const name : {"canonical.csv", "columns.csv", "report.html", "run.json"}) {
+    const std::string path = (fs::path(folder) / name).string();
+    if (fs::exists(path)) results[name] = content_of(path);
+  }
+  return results;
+}
+
+class CanonicalCommandTest : public testing::Test {
+ protected:
+  CanonicalCommandTest() { folder.write("wall.json", wall_plan().dump()); }
+
+  Outcome call(const Arguments& more) const {
+    Arguments arguments{"experiment"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(folder, arguments);
+  }
+  Outcome expect_done(const Arguments& more) const {
+    const Outcome o = call(more);
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    EXPECT_EQ(o.err, "");
+    return o;
+  }
+  // Code 2, nothing on stdout, and one line on stderr with all of `parts`.
+  void expect_refused(const Arguments& more, const std::vector<std::string>& parts) const {
+    const Outcome o = call(more);
+    EXPECT_EQ(o.exit_code, 2);
+    EXPECT_EQ(o.out, "");
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    EXPECT_TRUE(o.err.starts_with("palpate: ")) << o.err;
+    for (const std::string& part : parts) EXPECT_NE(o.err.find(part), std::string::npos) << o.err;
+  }
+  std::string path(const std::string& name) const { return folder.path(name); }
+
+  // The results of one undisturbed run of wall_plan().
+  static const Contents& reference() {
+    static const Contents results = [] {
+      const TemporaryFolder own;
+      own.write("wall.json", wall_plan().dump());
+      const Outcome o = run_program(own, {"experiment", "run", "wall.json", "--jobs", "1"});
+      EXPECT_EQ(o.exit_code, 0) << o.err;
+      return canonical_results(own.path("experiment"));
+    }();
+    return results;
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(CanonicalCommandTest, RunWritesOneRowForEachPersonAngleMotionAndRotation) {
+  const Outcome o = expect_done({"run", "wall.json", "--jobs", "2", "--out", "out"});
+  EXPECT_EQ(o.out,
+            "56 trials of 7 participants at the canonical wall\n"
+            "canonical.csv, columns.csv, report.html and run.json are in out/\n");
+  EXPECT_EQ(canonical_results(path("out")), reference());
+  std::string expected = "participant,angle_deg,motion,rotation";
+  for (int participant = 1; participant <= kPersons; ++participant) {
+    for (const char* const angle : {"30", "75"}) {
+      for (const char* const motion : {"pressed", "stroked"}) {
+        for (const char* const rotation : {"NoR", "R"}) {
+          expected +=
+              "\n" + std::to_string(participant) + "," + angle + "," + motion + "," + rotation;
+        }
+      }
+    }
+  }
+  const std::string& rows = reference().at("canonical.csv");
+  EXPECT_EQ(std::regex_replace(rows, std::regex(",[^,\n]*,[^,\n]*\n"), "\n"), expected + "\n");
+  const Json run = Json::parse(reference().at("run.json"));
+  EXPECT_EQ(run["kind"], "canonical");
+  EXPECT_EQ(run["trials"], 56);
+  EXPECT_EQ(run["trials_without_result"], 0);
+  // The figures are drawn, the ratio and the share for each motion.
+  const std::string& page = reference().at("report.html");
+  std::size_t figures = 0;
+  for (std::size_t at = 0; (at = page.find("<svg ", at)) != std::string::npos; ++at) ++figures;
+  EXPECT_EQ(figures, 4u);
+}
+
+TEST_F(CanonicalCommandTest, ShardsInAnyOrderMergeToTheSameBytes) {
+  for (int count = 1; count <= kPersons; ++count) {
+    Arguments merge{"merge"};
+    for (int i = 0; i < count; ++i) {
+      // In the order 2, 4, 6, ..., 1, 3, 5, ... of each count.
+      const int half = count / 2;
+      const int number = i < half ? 2 * i + 2 : 2 * (i - half) + 1;
+      const std::string shard = std::to_string(number) + "/" + std::to_string(count);
+      const std::string out = std::to_string(count) + "/" + std::to_string(number);
+      expect_done({"run", "wall.json", "--shard", shard, "--out", out});
+      EXPECT_TRUE(canonical_results(path(out)).empty());
+      merge.push_back(out);
+    }
+    const std::string all = std::to_string(count) + "/all";
+    merge.insert(merge.end(), {"--out", all});
+    EXPECT_TRUE(expect_done(merge).out.starts_with("56 trials of 7 participants at the canon"));
+    EXPECT_EQ(canonical_results(path(all)), reference()) << count;
+  }
+}
+
+TEST_F(CanonicalCommandTest, AKilledShardGoesOnToTheSameBytes) {
+  for (int attempt = 1;; ++attempt) {
+    fs::remove_all(path("killed"));
+    const StartedProgram started = start_program(
+        folder, {"experiment", "run", "wall.json", "--shard", "1/2", "--out", "killed"});
+    siginfo_t ended{};
+    while (!fs::exists(path("killed/parts/participant-1.csv")) && ended.si_pid == 0) {
+      ::usleep(200);
+      ::waitid(P_PID, static_cast<id_t>(started.process), &ended, WEXITED | WNOHANG | WNOWAIT);
+    }
+    ::kill(started.process, SIGKILL);
+    const Outcome killed = outcome_of(started);
+    if (killed.exit_code == -1) break;
+    ASSERT_LT(attempt, 20) << "the run ended before the signal came";
+  }
+  EXPECT_FALSE(fs::exists(path("killed/parts/participant-7.csv")));
+  const Outcome o = expect_done({"run", "wall.json", "--shard", "1/2", "--out", "killed"});
+  EXPECT_TRUE(o.out.starts_with("kept participant")) << o.out;
+  expect_done({"run", "wall.json", "--shard", "2/2", "--out", "other"});
+  expect_done({"merge", "other", "killed", "--out", "all"});
+  EXPECT_EQ(canonical_results(path("all")), reference());
+}
+
+TEST_F(CanonicalCommandTest, PlanWritesAPlanThatRunAccepts) {
+  const Outcome o = expect_done({"plan", "canonical"});
+  EXPECT_TRUE(o.out.starts_with("canonical.json\nrun it: ")) << o.out;
+  for (const char* const plan : {"canonical.json", "canonical"}) {
+    EXPECT_EQ(expect_done({"run", plan, "--shard", "10000/10000", "--out", "none"}).out,
+              "shard 10000/10000 has no participant\n");
+  }
+  expect_refused({"plan", "canonical"}, {"canonical.json: exists already"});
+}
+
+TEST_F(CanonicalCommandTest, AnalyseRefusesCanonicalRowsByName) {
+  folder.write("rows.csv", reference().at("canonical.csv"));
+  folder.write("saved.csv", "\xEF\xBB\xBF" + reference().at("canonical.csv"));
+  for (const char* const name : {"rows.csv", "saved.csv"}) {
+    expect_refused({"analyse", name},
+                   {std::string(name) + ": line 1: has the columns of canonical.csv; expected",
+                    "trials.csv", "report.html"});
+  }
+  EXPECT_FALSE(fs::exists(path("analysis")));
+}
+
+TEST_F(CanonicalCommandTest, BrokenPlansAreRefusedAndNothingIsWritten) {
+  const std::vector<std::pair<Json, std::vector<std::string>>> changes = {
+      {{{"protocol", "canonic"}}, {"/protocol: is \"canonic\"; expected canonical"}},
+      {{{"protocol", 1}}, {"/protocol: is 1; expected canonical"}},
+      {{{"objects", {{"O1", "star.glb"}}}}, {"/objects: is not a known key"}},
+      {{{"haptic", {"UaH"}}}, {"/haptic: is not a known key"}},
+      {{{"followings", {"delayed"}}}, {"/followings: is not a known key"}},
+      {{{"participants", 0}}, {"/participants: is 0"}},
+      {{{"angles_deg", {0, 91}}}, {"/angles_deg/1: is 91"}},
+      {{{"angles_deg", {15, 0}}}, {"/angles_deg/1: is 0 after 15"}},
+      {{{"angles_deg", Json::array()}}, {"/angles_deg: is a list of 0"}},
+      {{{"display_Hz", 1001}}, {"/display_Hz: is 1001"}},
+      {{{"operator", "nobody"}}, {"/operator: is \"nobody\""}},
+      {{{"seed", 0.5}}, {"/seed: is 0.5"}},
+      {{{"device", nullptr}}, {"/device: is null"}},
+      {{{"name", ""}}, {"/name: "}},
+  };
+  for (const auto& [change, parts] : changes) {
+    SCOPED_TRACE(change.dump());
+    Json plan = wall_plan();
+    plan.update(change);
+    folder.write("wall.json", plan.dump());
+    std::vector<std::string> all = parts;
+    all.emplace_back("wall.json: ");
+    expect_refused({"run", "wall.json", "--out", "out"}, all);
+    EXPECT_FALSE(fs::exists(path("out")));
+  }
+  // An error of the device that only the simulated hand shows.
+  Json plan = wall_plan();
+  plan["device"]["device_damping_Ns_per_m"] = 1e5;
+  folder.write("wall.json", plan.dump());
+  expect_refused({"run", "wall.json", "--out", "out"},
+                 {"wall.json: /device/device_damping_Ns_per_m: "});
+  folder.write("wall.json", "{\"protocol\": \"canonical\",");
+  expect_refused({"run", "wall.json", "--out", "out"}, {"wall.json: "});
+  folder.write("wall.json", wall_plan().dump());
+  expect_refused({"run", "wall.json", "--traces", "--out", "out"}, {"--traces: "});
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(CanonicalCommandTest, ShardsOfAnotherPlanAreNotMerged) {
+  expect_done({"run", "wall.json", "--shard", "1/2", "--out", "one"});
+  Json other = wall_plan();
+  other["seed"] = 6;
+  folder.write("other.json", other.dump());
+  expect_done({"run", "other.json", "--shard", "2/2", "--out", "two"});
+  expect_refused({"merge", "one", "two", "--out", "all"},
+                 {"two/parts/run.json: /plan/hash: is ", "as in one/parts/run.json"});
+  EXPECT_FALSE(fs::exists(path("all")));
+}
+
+TEST_F(CanonicalCommandTest, ResultsOfTheOtherProtocolInTheFolderAreReplaced) {
+  Json star = Json::parse(R"({"palpate_plan": 1, "name": "short", "seed": 1, "participants": 1,
+      "blocks": 1, "practice_blocks": 0, "device": {"sensors": 2, "actuators": 1, "rate_Hz": 1000,
+      "stiffness_N_per_m": 1000, "damping_Ns_per_m": 2}, "display_Hz": 40, "sphere_radius_m": 0.006,
+      "limit_s": 1, "haptic": ["H"], "rotation": ["R"], "objects": {}, "operator": "literature",
+      "followings": ["delayed"]})");
+  star["objects"]["O1"] = PALPATE_MODELS_DIR "/star.glb";
+  folder.write("star.json", star.dump());
+  expect_done({"run", "star.json", "--out", "out"});
+  EXPECT_TRUE(fs::exists(path("out/trials.csv")));
+  expect_done({"run", "wall.json", "--out", "out"});
+  EXPECT_EQ(canonical_results(path("out")), reference());
+  EXPECT_FALSE(fs::exists(path("out/trials.csv")));
+  expect_done({"run", "star.json", "--out", "out"});
+  EXPECT_TRUE(fs::exists(path("out/trials.csv")));
+  EXPECT_FALSE(fs::exists(path("out/canonical.csv")));
+  EXPECT_FALSE(fs::exists(path("out/report.html")));
+  // The report of an analysis in the folder of an experiment stays.
+  folder.write("out/report.html", "analysis");
+  expect_done({"run", "star.json", "--out", "out"});
+  EXPECT_EQ(content_of(path("out/report.html")), "analysis");
+}
+
+}  // namespace
+}  // namespace palpate

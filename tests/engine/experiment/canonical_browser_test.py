@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""The report of the canonical protocol, in a browser.
+
+canonical_browser_test.py REPORT.html
+canonical_browser_test.py --make PROGRAM ARGUMENT...
+                                         PROGRAM ARGUMENT... FOLDER writes FOLDER/report.html
+
+Opens the page in headless Chromium; its console must stay empty. Then measures the page in frames as
+wide as a screen and as a phone: the page is no wider than the frame and requests nothing; the four
+diagrams have all their texts, none of which is cut, covers another or is tiny, and a curve for the
+rotation by A4; the diagrams of the ratio have the curve tan a as well; a table wider than the frame scrolls within its
+own box. Exits with 77 if no Chromium is installed.
+"""
+
+import argparse
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from browser import measured_in_frames, open_page, run_test
+
+CUT_PX = 1.0  # how far the box of a text may reach out of its diagram
+LEAST_TEXT_PX = 10.0  # the height of a line of text
+BOTH = ["NoR: the wall stands still", "R: A4 turns the wall",
+        "angle a of the wall to the motor (deg)", "45", "90"]
+RATIO = BOTH + ["force along the wall / into the hand", "tan a: the motor alone, wall at rest"]
+SHARE = BOTH + ["share within 30 deg"]
+# The texts and the number of curves of each diagram.
+DIAGRAMS = [(RATIO + ["Pressed: simulated operators"], 2),
+            (RATIO + ["Stroked: simulated operators"], 2),
+            (SHARE + ["Pressed: simulated operators"], 1),
+            (SHARE + ["Stroked: simulated operators"], 1)]
+
+MEASURE = """
+function measure_frame(frame) {
+  const page = frame.contentDocument;
+  const diagrams = [...page.querySelectorAll('figure svg')].map(svg => {
+    const box = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim());
+    const boxes = texts.map(text => text.getBoundingClientRect());
+    const cut = texts.filter((text, i) => {
+      const b = boxes[i];
+      return b.left < box.left - CUT || b.right > box.right + CUT ||
+             b.top < box.top - CUT || b.bottom > box.bottom + CUT;
+    });
+    const covering = [];
+    for (let i = 0; i < boxes.length; ++i) {
+      for (let j = 0; j < i; ++j) {
+        const across = Math.min(boxes[i].right, boxes[j].right) - Math.max(boxes[i].left, boxes[j].left);
+        const down = Math.min(boxes[i].bottom, boxes[j].bottom) - Math.max(boxes[i].top, boxes[j].top);
+        if (across > CUT && down > 0.3 * Math.min(boxes[i].height, boxes[j].height)) {
+          covering.push(texts[i].textContent.trim() + ' / ' + texts[j].textContent.trim());
+        }
+      }
+    }
+    // A curve is an unbroken line across at least half of the diagram, beside its line of the legend;
+    // the whiskers of a curve are one path of many lines.
+    const curves = [...svg.querySelectorAll('path')].filter(path =>
+        path.getAttribute('d').split('L').length > 4 && path.getAttribute('d').split('M').length <= 3 &&
+        path.getBoundingClientRect().width > 0.5 * box.width).length;
+    return {width: box.width, height: box.height, name: svg.getAttribute('aria-label'),
+            texts: texts.map(text => text.textContent.trim()), covering: covering, curves: curves,
+            least: Math.min(...boxes.map((b, i) => texts[i].textContent.trim().length > 2 ?
+                Math.min(b.width, b.height) : b.height)),
+            cut: cut.map(text => text.textContent)};
+  });
+  const requests = frame.contentWindow.performance.getEntriesByType('resource')
+      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
+  const boxes = [...page.querySelectorAll('.wide')].map(box => ({
+      right: box.getBoundingClientRect().right, scrolls: getComputedStyle(box).overflowX,
+      rows: box.querySelectorAll('tbody tr').length}));
+  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, diagrams: diagrams,
+          requests: requests, boxes: boxes, title: page.title};
+}
+"""
+
+
+def diagram_problems(diagram, expected, frame_width):
+    texts, curves = expected
+    found = " | ".join(diagram["texts"])
+    problems = [f"has no text \"{text}\": {found}" for text in texts if text not in diagram["texts"]]
+    if diagram["width"] < 0.25 * frame_width or diagram["height"] < 0.5 * diagram["width"]:
+        problems.append(f"is {diagram['width']} x {diagram['height']}")
+    if diagram["least"] < LEAST_TEXT_PX:
+        problems.append(f"has a text {diagram['least']} px high")
+    if diagram["curves"] != curves:
+        problems.append(f"has {diagram['curves']} curves; expected {curves}")
+    problems += [f"cut: {text}" for text in diagram["cut"]]
+    problems += [f"texts cover each other: {text}" for text in diagram["covering"]]
+    return [f"{diagram['name']}: {problem}" for problem in problems]
+
+
+def frame_problems(frame):
+    problems = []
+    if frame["content"] > frame["width"]:
+        problems.append(f"the page is {frame['content']} px wide")
+    problems += [f"requests {name}" for name in frame["requests"]]
+    if len(frame["diagrams"]) != len(DIAGRAMS):
+        problems.append(f"{len(frame['diagrams'])} diagrams")
+    for diagram, expected in zip(frame["diagrams"], DIAGRAMS):
+        problems += diagram_problems(diagram, expected, frame["width"])
+    for number, box in enumerate(frame["boxes"]):
+        if box["right"] > frame["width"] or box["scrolls"] != "auto" or box["rows"] != 7:
+            problems.append(f"table {number}: {box}")
+    if "simulated operators" not in frame["title"]:
+        problems.append(f"the title is {frame['title']}")
+    return [f"{frame['width']} px: {problem}" for problem in problems]
+
+
+def problems_of(browser, page, folder):
+    path = folder / "page.html"
+    path.write_text(page, encoding="utf-8")
+    _, console = open_page(browser, path, folder / "profile")
+    problems = [f"on the console: {line}" for line in console]
+    for frame in measured_in_frames(browser, page, folder, MEASURE.replace("CUT", str(CUT_PX))):
+        problems += frame_problems(frame)
+    return problems
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("report", nargs="?", type=pathlib.Path)
+    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
+    options = parser.parse_args()
+    if (options.report is None) == (options.make is None):
+        parser.error("either a report or a program that makes one")
+    return run_test(options.report, options.make, problems_of)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
