@@ -490,7 +490,7 @@ TEST(TrialsFile, ReadsQuotedFieldsOtherColumnsAndMissingValues) {
 }
 
 TEST(TrialsFile, RestoresEveryRowToTheBit) {
-  TrialRow row{.following = "replan",
+  TrialRow row{.following = "adapts-0.5",
                .participant = "7",
                .block = 0,
                .trial = 24,
