@@ -43,7 +43,8 @@ std::vector<std::string> single_level_notes(const TrialTable& table) {
   return notes;
 }
 
-std::optional<Error> analyse_outcomes(OperatorAnalysis& analysis) {
+// is_one_of_several: the file has other variants, with which this one can be compared.
+std::optional<Error> analyse_outcomes(OperatorAnalysis& analysis, bool is_one_of_several) {
   const TrialTable& table = analysis.table;
   for (const Outcome outcome :
        {Outcome::kTime, Outcome::kLosses, Outcome::kPenetration, Outcome::kContactAngle,
@@ -59,7 +60,7 @@ std::optional<Error> analyse_outcomes(OperatorAnalysis& analysis) {
       continue;
     }
     if (const auto value = constant_value(table, outcome)) {
-      if (outcome == Outcome::kContactAngle) {
+      if (outcome == Outcome::kContactAngle && !is_one_of_several) {
         return invalid_argument(
             std::string(text.column),
             "is " + number_or_dash(*value) + " in every trial; expected a measure that varies",
@@ -81,8 +82,9 @@ std::optional<Error> analyse_outcomes(OperatorAnalysis& analysis) {
   return std::nullopt;
 }
 
-// A condition without a completed trial makes the paper's analysis impossible, and is no error.
-std::optional<Error> analyse_fixed_effects(OperatorAnalysis& analysis) {
+// A condition without a completed trial makes the paper's analysis impossible, and is no error. If
+// the file has several variants, no other reason is one either: they are still compared.
+std::optional<Error> analyse_fixed_effects(OperatorAnalysis& analysis, bool is_one_of_several) {
   const auto empty = std::find_if(analysis.by_condition.begin(), analysis.by_condition.end(),
                                   [](const TrialCounts& counts) { return counts.done == 0; });
   auto paper = analyse_as_paper(analysis.table);
@@ -96,13 +98,17 @@ std::optional<Error> analyse_fixed_effects(OperatorAnalysis& analysis) {
     }
     return std::nullopt;
   }
+  if (empty == analysis.by_condition.end() && is_one_of_several) {
+    analysis.paper_problem = "The trials " + paper.error().problem + ".";
+    return std::nullopt;
+  }
   if (empty == analysis.by_condition.end()) return paper.error();
   analysis.paper_problem = "No trial of " + levels_name(analysis.table, empty->at) +
                            " was completed: its effects cannot be separated.";
   return std::nullopt;
 }
 
-Result<OperatorAnalysis> analyse_table(TrialTable table) {
+Result<OperatorAnalysis> analyse_table(TrialTable table, bool is_one_of_several) {
   OperatorAnalysis analysis{std::move(table), {}, "", {}, {}, {}, {}, {}, {}};
   analysis.counts = trial_counts(analysis.table, {});
   analysis.by_condition = counts_by_condition(analysis.table);
@@ -112,8 +118,10 @@ Result<OperatorAnalysis> analyse_table(TrialTable table) {
         "Of several attempts at a trial the last one counts; rows of earlier attempts: " +
         std::to_string(analysis.table.earlier_attempts()) + ".");
   }
-  if (auto error = analyse_fixed_effects(analysis)) return in_following(*error, analysis.table);
-  if (auto error = analyse_outcomes(analysis)) return in_following(*error, analysis.table);
+  if (auto error = analyse_fixed_effects(analysis, is_one_of_several))
+    return in_following(*error, analysis.table);
+  if (auto error = analyse_outcomes(analysis, is_one_of_several))
+    return in_following(*error, analysis.table);
   analysis.findings =
       judge_findings(analysis.table, analysis.paper, analysis.primary, analysis.angle_of_uah);
   return analysis;
@@ -169,8 +177,10 @@ Result<ExperimentAnalysis> analyse_trials(std::vector<TrialRow> rows, double lim
   auto tables = trial_tables(std::move(rows), limit_s);
   if (!tables) return tables.error();
   ExperimentAnalysis analysis;
+  std::set<TrialVariant> variants;
+  for (const TrialTable& table : *tables) variants.insert(table.variant());
   for (TrialTable& table : *tables) {
-    auto of_operator = analyse_table(std::move(table));
+    auto of_operator = analyse_table(std::move(table), variants.size() > 1);
     if (!of_operator) return of_operator.error();
     analysis.operators.push_back(std::move(*of_operator));
   }
@@ -180,7 +190,7 @@ Result<ExperimentAnalysis> analyse_trials(std::vector<TrialRow> rows, double lim
   const bool any_paper =
       std::any_of(analysis.operators.begin(), analysis.operators.end(),
                   [](const OperatorAnalysis& each) { return each.paper.has_value(); });
-  if (!any_paper) {
+  if (!any_paper && variants.size() == 1) {
     const auto paper = analyse_as_paper(analysis.operators[0].table);
     return in_following(paper.error(), analysis.operators[0].table);
   }
