@@ -1,7 +1,9 @@
 #include "engine/cli/experiment_power.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
+#include <system_error>
 #include <utility>
 
 #include "engine/cli/command_help.h"
@@ -13,6 +15,7 @@
 #include "engine/experiment/power_text.h"
 #include "engine/report/output_files.h"
 #include "geometry/base/parallel.h"
+#include "geometry/base/quoted.h"
 
 namespace palpate {
 namespace {
@@ -25,16 +28,28 @@ int report_interrupted_power() {
   return exit_code_after_signals(0);
 }
 
+// The results must not replace what they are computed from.
+std::optional<Error> check_pilot_is_no_result(const PowerRequest& power,
+                                              const std::string& out_dir) {
+  for (const std::string& name : power_report_names()) {
+    const auto result = std::filesystem::path(out_dir) / name;
+    std::error_code ignored;
+    if (power.pilot.empty() || !std::filesystem::equivalent(power.pilot, result, ignored)) continue;
+    return invalid_argument("--out", "has the result " + name + ", which is the pilot " +
+                                         in_quotes(power.pilot) +
+                                         " itself; expected another folder");
+  }
+  return std::nullopt;
+}
+
 // Writes the report. The files appear together, unless a signal has arrived before.
-int report_power(const PowerStudy& study, const std::string& out_dir) {
-  auto files = OutputFiles::create(out_dir, power_report_names());
-  if (!files) return refuse(files.error());
-  const auto warnings = write_power_report(study, *files);
+int report_power(const PowerStudy& study, const std::string& out_dir, OutputFiles& files) {
+  const auto warnings = write_power_report(study, files);
   if (!warnings) return refuse(warnings.error());
   {
     const SignalPhaseScope not_now(SignalPhase::kDeferred);
     if (signal_flag().requested()) return report_interrupted_power();
-    if (const auto error = files->move_into_place()) return refuse(*error);
+    if (const auto error = files.move_into_place()) return refuse(*error);
   }
   std::cout << power_text(study) << "report.html, power.json and 2 tables are in " << out_dir
             << "/\n";
@@ -69,7 +84,7 @@ void add_assumptions(CLI::App& app, PowerRequest& power) {
   add_real(app, "--share-w", power.share_w, {0.0, 1.0}, "share of w [a grid, 0.1 to 0.8]")
       ->group(kModelGroup);
   add_integer(app, "--trials", power.trials, {1, kMostPowerTrials},
-              "trials of a person in a condition: objects times blocks")
+              "trials of a person in a condition: objects times blocks [the pilot's, or 12]")
       ->group(kModelGroup);
 }
 
@@ -81,8 +96,11 @@ int run_power(const ExperimentPowerRequest& request) {
   power.settings.jobs = request.jobs.value_or(cores);
   auto study = prepare_power(power);
   if (!study) return refuse(study.error());
+  if (const auto error = check_pilot_is_no_result(power, request.out_dir)) return refuse(*error);
   if (const auto error = check_output()) return refuse(*error);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  auto files = OutputFiles::create(request.out_dir, power_report_names());
+  if (!files) return refuse(files.error());
   std::optional<PowerCounts> counts;
   {
     ProgressBar bar("power");
@@ -92,7 +110,7 @@ int run_power(const ExperimentPowerRequest& request) {
   }
   if (!counts) return report_interrupted_power();
   study->counts = std::move(*counts);
-  return report_power(*study, request.out_dir);
+  return report_power(*study, request.out_dir, *files);
 }
 
 void add_power(CLI::App& experiment, ExperimentPowerRequest& request) {
@@ -107,7 +125,10 @@ void add_power(CLI::App& experiment, ExperimentPowerRequest& request) {
            "condition. Data sets are\nsimulated, and each one is analysed as `experiment analyse` "
            "does, with its first 2, 3, ... people.\nThe power is the share of the data sets in "
            "which a test is significant at 5 %. DIR/report.html has\nthe power over the number of "
-           "people, people.csv the smallest numbers, power.csv the curves.\n\n"
+           "people, needed_people.csv the smallest numbers, power.csv the curves.\nw and e are "
+           "independent "
+           "and scatter equally in all conditions. Sphericity therefore holds, and\nwhat the "
+           "correction of Greenhouse and Geisser really costs is not shown.\n\n"
            "The paper states the error of one trial as a whole. How much of it is u and w must be "
            "assumed: a\nshare is a share of the variance u + w + e of one trial. Shares that are "
            "not given run over a grid.\nA pilot (a file of `experiment run`, or of people) "

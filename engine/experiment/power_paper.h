@@ -18,12 +18,20 @@ inline constexpr int kPaperTrialsOfCondition = 12;  // 4 objects in 3 blocks
 struct PaperScatter {
   std::string_view from;  // the effect whose F it is: "Haptic"
   double sd = 0.0;
+  // The least and the largest standard deviation that the printed means allow: each of them may be
+  // off by half of its last printed digit. The rounding of F is not in it: it is at most 0.1 %.
+  double low = 0.0, high = 0.0;
+
+  bool allows(double other) const { return low <= other && other <= high; }
 };
+
+// Half of the last digit with which the paper prints a mean: 0.5 for 29, 0.05 for 27.5.
+double paper_rounding(double mean);
 
 // The standard deviation of one trial in the paper's own model, which treats all trials as
 // independent: the square root of its mean square of the error. It holds u, w and e (power_run.h).
-// It follows from the F of Haptic and from that of Rotation; the two differ because the paper's
-// means are rounded. Of the time, the losses and the penetration; ascending.
+// It follows from the F of Haptic and from that of Rotation; the paper's means are rounded, so that
+// the two differ. Of the time, the losses and the penetration; ascending.
 std::vector<PaperScatter> paper_trial_scatter(Outcome outcome);
 
 // The standard deviation over participants of their difference R - NoR in the contact angle of UaH:

@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "engine/experiment/statistics_text.h"
 #include "engine/experiment/strict_json.h"
 #include "engine/experiment/trials_file.h"
 #include "geometry/base/printable.h"
@@ -57,6 +58,8 @@ struct ConditionFit {
   // The variance of the differences between the means, for e = 1: trace((I - J / n) V), V their
   // covariance and J a matrix of ones.
   double mean_scatter = 0.0;
+  double m =
+      0.0;  // trials of a participant: complete, their number; otherwise the effective number
 };
 
 // Whether every participant is linked to every item by trials; otherwise their means cannot be
@@ -111,7 +114,20 @@ ConditionFit fit_condition(const Eigen::MatrixXd& trials, const Eigen::MatrixXd&
   const Eigen::MatrixXd centred = shares.rowwise() - shares.colwise().mean();
   fit.mean_scatter = counts.cwiseInverse().sum() * (1.0 - 1.0 / n) +
                      solver.solve(centred.transpose()).cwiseProduct(centred.transpose()).sum();
+  const bool is_complete = fit.trials == has.size();
+  fit.m = is_complete ? static_cast<double>(items) : (n - 1.0) / fit.mean_scatter;
   return fit;
+}
+
+// Without rounding if all conditions have the same m.
+double harmonic_mean_of_m(const std::vector<ConditionFit>& fits) {
+  double sum = 0.0;
+  bool is_equal = true;
+  for (const ConditionFit& fit : fits) {
+    sum += 1.0 / fit.m;
+    is_equal = is_equal && fit.m == fits.front().m;
+  }
+  return is_equal ? fits.front().m : static_cast<double>(fits.size()) / sum;
 }
 
 class PilotReader {
@@ -124,6 +140,7 @@ class PilotReader {
 
  private:
   std::optional<Error> find_levels();
+  std::optional<Error> check_values(const Eigen::MatrixXd& trials) const;
   std::optional<Error> find_participants();
   std::optional<Error> fit_conditions();
   std::optional<Error> put_mean_squares();
@@ -170,6 +187,22 @@ std::optional<Error> PilotReader::find_levels() {
                "choose another measure");
 }
 
+// So large values would overflow, or hide their scatter.
+std::optional<Error> PilotReader::check_values(const Eigen::MatrixXd& trials) const {
+  for (Eigen::Index p = 0; p < trials.rows(); ++p) {
+    for (Eigen::Index i = 0; i < trials.cols(); ++i) {
+      if (!(std::abs(trials(p, i)) > kMostPowerValue)) continue;  // NaN: no trial
+      const int participant = participants_[static_cast<std::size_t>(p)];
+      return error("column " + std::string(outcome_text(outcome_).column),
+                   "is " + number_or_dash(trials(p, i)) + " in a trial of participant " +
+                       printable(table_.participants()[static_cast<std::size_t>(participant)]) +
+                       ", which is too large; expected -1e9 to 1e9",
+                   "check the unit of the column");
+    }
+  }
+  return std::nullopt;
+}
+
 bool PilotReader::has_condition(int participant, std::size_t condition) const {
   const auto [haptic, rotation] = levels_of(condition);
   for (int o = 0; o < table_.level_count(kObjectFactor); ++o) {
@@ -210,6 +243,7 @@ std::optional<Error> PilotReader::fit_conditions() {
     const auto [haptic, rotation] = levels_of(c);
     const Eigen::MatrixXd trials =
         condition_trials(table_, outcome_, participants_, haptic, rotation);
+    if (auto failed = check_values(trials)) return failed;
     const Eigen::MatrixXd has =
         trials.unaryExpr([](double value) { return std::isnan(value) ? 0.0 : 1.0; });
     if (!is_connected(has)) {
@@ -230,25 +264,31 @@ std::optional<Error> PilotReader::put_mean_squares() {
   const auto n = static_cast<Eigen::Index>(participants_.size());
   const auto k = static_cast<Eigen::Index>(design_.conditions());
   Eigen::MatrixXd cells(n, k);
-  double residual_ss = 0.0, mean_scatter = 0.0;
+  double residual_ss = 0.0;
   for (Eigen::Index c = 0; c < k; ++c) {
     const ConditionFit& fit = fits_[static_cast<std::size_t>(c)];
     cells.col(c) = fit.means;
     residual_ss += fit.residual_ss;
-    mean_scatter += fit.mean_scatter;
     found_.df_e += fit.df;
     found_.trials += fit.trials;
     found_.means.push_back(fit.means.mean());
   }
   if (found_.df_e == 0) {
+    const bool is_single = found_.trials == static_cast<int>(n * k);
     return error("columns object and block",
-                 "have one trial of a participant in a condition; expected two or more, because "
-                 "the scatter of trials cannot be told from that of conditions otherwise",
+                 is_single
+                     ? "have one trial of a participant in a condition; expected two or more, "
+                       "because the scatter of trials cannot be told from that of conditions "
+                       "otherwise"
+                     : "have so few trials in common that the " + std::to_string(found_.trials) +
+                           " trials only fix the means of participants, objects and blocks; "
+                           "expected two objects or blocks that the same two participants did in "
+                           "one condition",
                  "use --error, --share-u and --share-w without a pilot");
   }
   found_.df_p = static_cast<int>(n - 1);
   found_.df_pc = static_cast<int>((n - 1) * (k - 1));
-  found_.m = static_cast<double>(k * (n - 1)) / mean_scatter;
+  found_.m = harmonic_mean_of_m(fits_);
   const Eigen::MatrixXd within = cells.rowwise() - cells.colwise().mean();
   const Eigen::VectorXd of_participants = within.rowwise().mean();
   const Eigen::MatrixXd interaction = within.colwise() - of_participants;
@@ -259,6 +299,7 @@ std::optional<Error> PilotReader::put_mean_squares() {
   const double rounding = static_cast<double>(found_.trials) *
                           std::numeric_limits<double>::epsilon() * cells.cwiseAbs().maxCoeff();
   if (found_.ms_e > rounding * rounding || found_.ms_pc > found_.m * rounding * rounding) {
+    found_.cells = std::move(cells);
     return std::nullopt;
   }
   return error("column " + std::string(outcome_text(outcome_).column),
@@ -297,8 +338,28 @@ Result<PilotEstimate> estimate_pilot(const TrialTable& table, Outcome outcome,
 
 namespace {
 
+// Removes practice and what the design does not compare.
+std::optional<Error> keep_design(std::vector<TrialRow>& rows, const PowerDesign& design,
+                                 const std::string& path) {
+  std::erase_if(rows, [](const TrialRow& row) { return row.block <= 0; });
+  const bool had_rows = !rows.empty();
+  std::erase_if(rows, [&](const TrialRow& row) {
+    return std::find(design.haptic.begin(), design.haptic.end(), row.haptic) ==
+               design.haptic.end() &&
+           std::find(kHapticLevels.begin(), kHapticLevels.end(), row.haptic) != kHapticLevels.end();
+  });
+  if (!rows.empty() || !had_rows) return std::nullopt;
+  return pilot_error(path, "column haptic",
+                     "has no trial of " +
+                         joined_words({design.haptic.begin(), design.haptic.end()}) +
+                         " beside practice; expected trials of " +
+                         std::to_string(design.conditions()) + " conditions",
+                     "the measure needs them; choose another one with --measure");
+}
+
 // Each variant is an experiment of its own (trial_variant.h).
 std::optional<Error> check_one_variant(const std::vector<TrialRow>& rows, const std::string& path) {
+  if (rows.empty()) return std::nullopt;
   const TrialVariant first = variant_of(rows.front());
   for (const TrialRow& row : rows) {
     const TrialVariant other = variant_of(row);
@@ -316,7 +377,8 @@ std::optional<Error> check_one_variant(const std::vector<TrialRow>& rows, const 
 
 }  // namespace
 
-Result<TrialTable> read_pilot(const std::string& path, const std::string& following) {
+Result<TrialTable> read_pilot(const std::string& path, const std::string& following,
+                              const PowerDesign& design) {
   auto rows = read_trials(path);
   if (!rows) return rows.error();
   std::set<std::string> names;
@@ -345,6 +407,7 @@ Result<TrialTable> read_pilot(const std::string& path, const std::string& follow
     std::erase_if(*rows,
                   [&](const TrialRow& row) { return following_name(row.following) != following; });
   }
+  if (auto error = keep_design(*rows, design, path)) return *error;
   if (auto error = check_one_variant(*rows, path)) return *error;
   auto table = TrialTable::create(std::move(*rows), kAnyLimit_s);
   if (table) return table;

@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "engine/experiment/power_fit.h"
+#include "engine/experiment/power_notes.h"
 #include "engine/experiment/power_plots.h"
 #include "engine/experiment/power_tables.h"
 #include "engine/experiment/power_text.h"
@@ -18,6 +20,8 @@ namespace {
 
 constexpr const char* kPowerPage = "report.html";
 constexpr const char* kPowerJson = "power.json";
+// Not "people.csv": people give their pilots such names.
+constexpr const char* kPeopleTable = "needed_people.csv";
 
 // Added to the style of all reports.
 constexpr std::string_view kPowerStyle = R"css(
@@ -55,7 +59,7 @@ std::string answer_table(const PowerStudy& study) {
   HtmlTable table(heads);
   for (const PowerLine& line : power_lines(study)) {
     std::vector<std::string> cells = {html_escaped(line.test)};
-    for (const std::string& people : line.people) cells.push_back(html_escaped(people));
+    for (const std::string& people : line.people) cells.push_back(power_cell(people));
     cells.push_back(power_cell(line.power));
     table.row(cells);
   }
@@ -68,10 +72,12 @@ std::string power_answer_html(const PowerStudy& study) {
     items += html_element("li", html_escaped(note)) + "\n";
   }
   const std::string range =
-      study.assumptions.size() > 1
-          ? "A range is over all assumptions about the variances: its first number is of the "
-            "kindest one. "
-          : "";
+      study.has_one_noise()
+          ? "In parentheses: the numbers at which the bounds of the simulation's 95 % interval "
+            "reach "
+            "the power. "
+          : "A range is over all assumptions about the variances: its first number is of the "
+            "kindest one. ";
   return "<section class=\"advice power\" id=\"answer\">\n<h2>How many people</h2>\n" +
          answer_table(study) +
          power_note(range +
@@ -162,6 +168,17 @@ std::string grids_html(const PowerStudy& study) {
   return out + "</section>\n";
 }
 
+std::string pilot_pairs_html(const PowerStudy& study) {
+  HtmlTable table({"pair", "sd in the pilot", "sd in the model"});
+  for (const PilotPair& pair : pilot_fit(*study.pilot, study.tests).pairs) {
+    table.row({html_escaped(pair.pair), number_or_dash(pair.observed), number_or_dash(pair.model)});
+  }
+  return table.html() +
+         power_note(
+             "The standard deviation over people of the difference between their means. If the "
+             "pilot's are smaller than the model's, or unlike each other, the model does not fit.");
+}
+
 std::string pilot_html(const PowerStudy& study) {
   if (!study.pilot) return "";
   const PilotEstimate& pilot = *study.pilot;
@@ -187,7 +204,7 @@ std::string pilot_html(const PowerStudy& study) {
          power_note("Means of the pilot: " + means +
                     ". They are not the assumed effects: with so few people they are too uncertain "
                     "to plan by.") +
-         "</section>\n";
+         pilot_pairs_html(study) + "</section>\n";
 }
 
 std::string power_facts_html(const PowerStudy& study) {
@@ -219,7 +236,7 @@ std::string power_report_html(const PowerStudy& study, std::vector<std::string>&
 }
 
 std::vector<std::string> power_report_names() {
-  return {kPowerPage, kPowerJson, "people.csv", "power.csv"};
+  return {kPowerPage, kPowerJson, kPeopleTable, "power.csv"};
 }
 
 Result<std::vector<std::string>> write_power_report(const PowerStudy& study,
@@ -228,7 +245,7 @@ Result<std::vector<std::string>> write_power_report(const PowerStudy& study,
   const std::pair<std::string, std::string> texts[] = {
       {kPowerPage, power_report_html(study, warnings)},
       {kPowerJson, power_json(study)},
-      {"people.csv", csv_of(power_people_table(study))},
+      {kPeopleTable, csv_of(power_people_table(study))},
       {"power.csv", csv_of(power_curve_table(study))}};
   for (const auto& [name, text] : texts) {
     const auto written = write_text_file(files.path(name), text);

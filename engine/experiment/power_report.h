@@ -18,7 +18,7 @@ std::string power_report_html(const PowerStudy& study, std::vector<std::string>&
 // The names of the files that write_power_report() writes.
 std::vector<std::string> power_report_names();
 
-// Writes report.html, power.json, people.csv and power.csv. files: created with the names of
+// Writes report.html, power.json, needed_people.csv and power.csv. files: created with the names of
 // power_report_names(). Returns the warnings.
 Result<std::vector<std::string>> write_power_report(const PowerStudy& study,
                                                     const OutputFiles& files);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <mutex>
 
 #include "engine/experiment/key_hash.h"
@@ -19,7 +20,7 @@ namespace {
 // Standard normal numbers of one participant.
 struct PowerDraw {
   double u = 0.0;
-  std::array<double, kMostPowerConditions> w{}, e{};
+  std::array<double, kMostPowerConditions> cells{};  // w and the mean of e
 };
 
 // The participants of a set, in their order.
@@ -31,22 +32,21 @@ void draw_set(const PowerModel& model, const PowerSettings& settings, int set,
   draws.resize(static_cast<std::size_t>(settings.participants));
   for (PowerDraw& draw : draws) {
     draw.u = random.normal();
-    for (std::size_t c = 0; c < conditions; ++c) draw.w[c] = random.normal();
-    for (std::size_t c = 0; c < conditions; ++c) draw.e[c] = random.normal();
+    for (std::size_t c = 0; c < conditions; ++c) draw.cells[c] = random.normal();
   }
 }
 
 // The standard deviations in the mean of m trials.
 struct PowerDeviations {
-  PowerDeviations(const PowerVariances& variances, int trials)
-      : u(std::sqrt(variances.u)), w(std::sqrt(variances.w)), e(std::sqrt(variances.e / trials)) {}
-  double u, w, e;
+  PowerDeviations(const PowerModel& model, std::size_t i)
+      : u(std::sqrt(model.variances[i].u)), cells(std::sqrt(model.noise(i))) {}
+  double u, cells;
 };
 
 void put_conditions(const PowerModel& model, const PowerDeviations& sd, const PowerDraw& draw,
                     std::span<double> conditions) {
   for (std::size_t c = 0; c < conditions.size(); ++c) {
-    conditions[c] = model.means[c] + sd.u * draw.u + sd.w * draw.w[c] + sd.e * draw.e[c];
+    conditions[c] = model.means[c] + sd.u * draw.u + sd.cells * draw.cells[c];
   }
 }
 
@@ -60,6 +60,7 @@ class PowerJobs {
         settings_(settings),
         stop_(stop),
         limits_(tests, settings.participants),
+        first_(first_of_equal_noise(model)),
         counts_(no_counts()) {}
 
   std::optional<PowerCounts> run(const std::function<void(double)>& progress);
@@ -79,6 +80,7 @@ class PowerJobs {
   const PowerSettings& settings_;
   const StopFlag* stop_;
   PowerLimits limits_;
+  std::vector<std::size_t> first_;  // the models that are simulated
   std::atomic<int> next_{0};
   std::mutex mutex_;  // of counts_
   PowerCounts counts_;
@@ -90,7 +92,8 @@ void PowerJobs::count_set(const std::vector<PowerDraw>& draws, PowerSums& sums,
   const std::span<double> conditions(storage.data(), model_.design.conditions());
   std::array<bool, 2 * kMostPowerScores> significant{};
   for (std::size_t i = 0; i < model_.variances.size(); ++i) {
-    const PowerDeviations sd(model_.variances[i], model_.trials);
+    if (first_[i] != i) continue;
+    const PowerDeviations sd(model_, i);
     sums.clear();
     for (const PowerDraw& draw : draws) {
       put_conditions(model_, sd, draw, conditions);
@@ -139,10 +142,24 @@ std::optional<PowerCounts> PowerJobs::run(const std::function<void(double)>& pro
   if (threads.empty()) work();
   wait_for(threads, progress);
   if (!goes_on()) return std::nullopt;
+  for (std::size_t i = 0; i < first_.size(); ++i) counts_.copy(first_[i], i);
   return std::move(counts_);
 }
 
 }  // namespace
+
+std::vector<std::size_t> first_of_equal_noise(const PowerModel& model) {
+  // A noise comes from shares and a variance by fewer roundings.
+  constexpr double kRoundings = 32.0;
+  std::vector<std::size_t> first;
+  for (std::size_t i = 0; i < model.variances.size(); ++i) {
+    const double bound = kRoundings * std::numeric_limits<double>::epsilon() * model.noise(i);
+    std::size_t other = 0;
+    while (other < i && std::abs(model.noise(other) - model.noise(i)) > bound) ++other;
+    first.push_back(other);
+  }
+  return first;
+}
 
 PowerCounts::PowerCounts(std::size_t models, std::size_t tests, int participants)
     : tests_(tests),
@@ -153,15 +170,26 @@ void PowerCounts::add(const PowerCounts& other) {
   for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
 }
 
+void PowerCounts::copy(std::size_t from, std::size_t to) {
+  const auto size = static_cast<std::ptrdiff_t>(place(1, 0, 2));
+  const auto begin = counts_.begin() + static_cast<std::ptrdiff_t>(from) * size;
+  if (from != to) {
+    std::copy(begin, begin + size, counts_.begin() + static_cast<std::ptrdiff_t>(to) * size);
+  }
+}
+
+std::optional<int> PowerCounts::first_from(std::size_t model, std::size_t test,
+                                           const std::function<bool(int)>& is_enough) const {
+  std::optional<int> found;
+  for (int n = participants_; n >= 2 && is_enough(at(model, test, n)); --n) found = n;
+  return found;
+}
+
 std::optional<int> PowerCounts::smallest(std::size_t model, std::size_t test, int sets,
                                          int percent) const {
-  std::optional<int> found;
-  for (int n = participants_; n >= 2; --n) {
-    const auto hundredfold = std::int64_t{100} * at(model, test, n);
-    if (hundredfold < std::int64_t{percent} * sets) break;
-    found = n;
-  }
-  return found;
+  return first_from(model, test, [&](int count) {
+    return std::int64_t{100} * count >= std::int64_t{percent} * sets;
+  });
 }
 
 std::optional<PowerCounts> simulate_power(const PowerModel& model, const PowerTests& tests,
@@ -175,7 +203,7 @@ Eigen::MatrixXd power_data_set(const PowerModel& model, std::size_t variances,
                                const PowerSettings& settings, int set) {
   std::vector<PowerDraw> draws;
   draw_set(model, settings, set, draws);
-  const PowerDeviations sd(model.variances[variances], model.trials);
+  const PowerDeviations sd(model, variances);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> table(
       settings.participants, static_cast<Eigen::Index>(model.design.conditions()));
   for (Eigen::Index p = 0; p < table.rows(); ++p) {

@@ -19,13 +19,24 @@ struct PowerVariances {
   double u = 0.0, w = 0.0, e = 0.0;
 };
 
+// The largest mean of a condition, the largest standard deviation and the largest value of a pilot,
+// in the unit of the outcome. Far beyond any measure, and small enough that no square overflows.
+inline constexpr double kMostPowerValue = 1e9;
+
 struct PowerModel {
   PowerDesign design;
   std::vector<double> means;  // of the conditions, in the order of the design
   int trials = 1;             // m: of a participant in a condition
   // Each is one model; all models have the same random numbers.
   std::vector<PowerVariances> variances;
+
+  // The variance of the mean of a participant in a condition, less u, which cancels in all tests.
+  // The power depends on it alone, and on the means.
+  double noise(std::size_t i) const { return variances[i].w + variances[i].e / trials; }
 };
+
+// For each of the variances, the first whose noise is equal to within rounding.
+std::vector<std::size_t> first_of_equal_noise(const PowerModel& model);
 
 struct PowerSettings {
   int participants = 60;  // the largest number, at least 2
@@ -47,6 +58,13 @@ class PowerCounts {
   }
   void add(const PowerCounts& other);
 
+  // Answers of model `from` become those of model `to`.
+  void copy(std::size_t from, std::size_t to);
+
+  // The first n from which on is_enough(at(model, test, n)) holds; no value if it does not hold at
+  // the largest n.
+  std::optional<int> first_from(std::size_t model, std::size_t test,
+                                const std::function<bool(int)>& is_enough) const;
   // The first n from which on the share at(model, test, n) / sets never falls below percent / 100;
   // no value if it is below at the largest n.
   std::optional<int> smallest(std::size_t model, std::size_t test, int sets, int percent) const;
@@ -64,10 +82,10 @@ class PowerCounts {
 
 // Simulates the data sets and tests each one with its first 2, 3, ... participants. The sets of
 // different n are therefore not independent: a curve over n is smooth, and each of its points has
-// the error of `sets` data sets. The mean of m trials is drawn as one number, with the variance
-// e / m. The random numbers of set s have the seed KeyHash("power", seed, s), and those of a
-// participant come before those of the next, so that no result depends on jobs or on the largest
-// number of participants.
+// the error of `sets` data sets. The mean of a participant in a condition is drawn as one number
+// with the variance w + e / m, beside u. Variances of equal noise have equal counts. The random
+// numbers of set s have the seed KeyHash("power", seed, s), and those of a participant come before
+// those of the next, so that no result depends on jobs or on the largest number of participants.
 //
 // progress: called on the calling thread with the share of the sets that are done. stop: may be
 // null; if it is set, the result has no value.

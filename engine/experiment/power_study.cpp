@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/experiment/paper_findings.h"
 #include "engine/experiment/statistics_text.h"
 #include "engine/experiment/strict_json.h"
 #include "geometry/base/printable.h"
@@ -67,6 +66,7 @@ Result<std::vector<double>> parse_effects(const PowerDesign& design, const std::
   std::vector<std::optional<double>> found(design.conditions());
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
+    begin = std::min(text.find_first_not_of(' ', begin), end);
     const auto effect = parse_effect(design, text.substr(begin, end - begin));
     if (!effect) return effect.error();
     if (found[effect->first]) {
@@ -141,7 +141,7 @@ std::vector<std::pair<std::string, double>> error_variances(const PowerRequest& 
                                                             Outcome outcome, const Shares& shares) {
   if (request.error_sd) return {{"--error", *request.error_sd * *request.error_sd}};
   if (outcome == Outcome::kContactAngle) {
-    return {{"paper, F of " + std::string(paper_angle_scatter().from), angle_variance(shares)}};
+    return {{"paper's paired difference", angle_variance(shares)}};
   }
   std::vector<std::pair<std::string, double>> found;
   for (const PaperScatter& scatter : paper_trial_scatter(outcome)) {
@@ -160,6 +160,11 @@ void put_assumption(PowerStudy& study, std::string from, const PowerVariances& v
 std::optional<Error> assume_variances(PowerStudy& study) {
   const auto shares = power_shares(study.request);
   if (!shares) return shares.error();
+  if (!study.request.error_sd && study.measure->outcome == Outcome::kContactAngle) {
+    study.paper_scatter = {paper_angle_scatter()};
+  } else if (!study.request.error_sd) {
+    study.paper_scatter = paper_trial_scatter(study.measure->outcome);
+  }
   for (const Shares& of : *shares) {
     for (const auto& [from, variance] :
          error_variances(study.request, study.measure->outcome, of)) {
@@ -182,111 +187,58 @@ std::optional<Error> take_pilot(PowerStudy& study) {
                               "the pilot gives all variances");
     }
   }
-  const auto table = read_pilot(request.pilot, request.following);
+  const auto table = read_pilot(request.pilot, request.following, study.model.design);
   if (!table) return table.error();
   auto pilot = estimate_pilot(*table, study.measure->outcome, study.model.design, request.pilot);
   if (!pilot) return pilot.error();
   put_assumption(study, "pilot", pilot->variances);
+  const double m = std::clamp(std::round(pilot->m), 1.0, double{kMostPowerTrials});
+  study.model.trials = request.trials.value_or(static_cast<int>(m));
   study.pilot = std::move(*pilot);
   return std::nullopt;
 }
 
+// What makes the scatter so small beside the means.
+Error bad_scale(const PowerStudy& study, double sd, double largest) {
+  const PowerRequest& request = study.request;
+  const std::string problem = "a standard deviation of " + number_or_dash(sd) +
+                              " of w and e beside means of up to " + number_or_dash(largest) +
+                              "; expected numbers of one scale";
+  const std::string hint = "check the unit of the effects";
+  if (study.pilot) {
+    return {ErrorCode::kInvalidContent, request.pilot,
+            "column " + std::string(outcome_text(study.measure->outcome).column),
+            "gives " + problem, hint};
+  }
+  if (request.error_sd) return invalid_argument("--error", "gives " + problem, hint);
+  return invalid_argument("--effect", "gives " + problem, hint);
+}
+
 // The sums of the simulation keep at least half of their digits.
 std::optional<Error> check_scatter(const PowerStudy& study) {
+  const double least = std::sqrt(std::numeric_limits<double>::epsilon());
   double largest = 0.0;
   for (const double mean : study.model.means) largest = std::max(largest, std::abs(mean));
   for (std::size_t i = 0; i < study.model.variances.size(); ++i) {
     const double sd = std::sqrt(study.noise(i));
     const double all = study.assumptions[i].error_sd;
-    if (std::isfinite(all) && all <= kMostPowerValue &&
-        sd > std::sqrt(std::numeric_limits<double>::epsilon()) * std::max(largest, all)) {
-      continue;
+    if (!(sd > least * all)) {
+      if (study.pilot) return bad_scale(study, sd, all);
+      return invalid_argument("--share-u",
+                              "leaves w and e a standard deviation of " + number_or_dash(sd) +
+                                  " beside " + number_or_dash(all) + " of one trial; expected less",
+                              "u cancels in every test");
     }
-    const std::string option = study.pilot ? "--pilot" : "--error";
-    return invalid_argument(option,
-                            "gives a standard deviation of " + number_or_dash(sd) +
-                                " of w and e beside means of up to " + number_or_dash(largest) +
-                                "; expected numbers of one scale",
-                            "check the unit of the effects");
+    if (!(sd > least * largest)) return bad_scale(study, sd, largest);
   }
   return std::nullopt;
 }
 
-std::string pilot_note(const PilotEstimate& pilot) {
-  const double spread = std::sqrt(2.0 / pilot.df_pc);
-  return "A mean square of the pilot with d degrees of freedom has a relative standard error of "
-         "sqrt(2 / d): MS_pc has " +
-         std::to_string(pilot.df_pc) + ", which gives " + with_decimals(100.0 * spread, 0) +
-         " %. The power inherits this error, which its interval does not show.";
-}
-
-void add_pilot_notes(const PilotEstimate& pilot, std::vector<std::string>& notes) {
-  notes.emplace_back(pilot_note(pilot));
-  const std::pair<const char*, double> raw[] = {{"u", pilot.raw.u}, {"w", pilot.raw.w}};
-  for (const auto& [name, value] : raw) {
-    if (!(value < 0.0)) continue;
-    notes.emplace_back("The pilot's estimate of the variance of " + std::string(name) + " is " +
-                       number_or_dash(value) + ", which is negative; 0 is used.");
-  }
-  if (!pilot.left_out.empty()) {
-    std::string names;
-    for (const std::string& name : pilot.left_out) names += (names.empty() ? "" : ", ") + name;
-    notes.emplace_back(
-        "Left out of the pilot, because a condition has no completed trial of theirs: " + names +
-        ".");
-  }
-  if (pilot.missing > 0) {
-    notes.emplace_back(
-        std::to_string(pilot.missing) + " of " + std::to_string(pilot.missing + pilot.trials) +
-        " trials of the pilot are missing (timeouts, faults, absent). The estimates "
-        "hold if they are missing at random; a long trial that ran into the time limit "
-        "is not.");
-  }
-}
-
-void add_effect_notes(const PowerStudy& study, std::vector<std::string>& notes) {
-  if (!study.has_paper_effects) return;
-  if (study.measure->outcome == Outcome::kContactAngle) {
-    notes.emplace_back(
-        "The effects are the paper's means of UaH; the paper states no contact "
-        "angle of the other levels of Haptic.");
-    return;
-  }
-  notes.emplace_back(
-      "The effects are the paper's means at the levels of Haptic and of Rotation. "
-      "It states no means of their combinations: that the two add up, without an "
-      "interaction, is an assumption.");
-  if (paper_f(study.measure->outcome, {kHapticFactor, kRotationFactor})->p.empty()) {
-    notes.emplace_back("The paper found an interaction in this measure, which these effects lack.");
-  }
-}
-
-void add_error_notes(const PowerStudy& study, std::vector<std::string>& notes) {
-  const PowerRequest& request = study.request;
-  if (study.pilot) return add_pilot_notes(*study.pilot, notes);
-  if (!request.error_sd && study.measure->outcome == Outcome::kContactAngle) {
-    notes.emplace_back(
-        "The scatter is that of the paper's paired difference, which fixes w and "
-        "the mean of 12 e together: with 12 trials in a condition, the shares make no "
-        "difference.");
-  } else if (!request.error_sd) {
-    notes.emplace_back(
-        "The error of one trial is that of the paper's own model, from its F and "
-        "its means, which are rounded. It holds u, w and e; the paper does not say how "
-        "much of each.");
-  }
-  if (!request.share_u || !request.share_w) {
-    notes.emplace_back(
-        "The shares that are not given run from 0.1 to 0.8 in steps of 0.1, with at "
-        "least 0.1 for e. They are assumptions; a pilot measures them.");
-  }
-}
-
 }  // namespace
 
-double PowerStudy::noise(std::size_t model_index) const {
-  const PowerVariances& variances = model.variances[model_index];
-  return variances.w + variances.e / model.trials;
+bool PowerStudy::has_one_noise() const {
+  const auto first = first_of_equal_noise(model);
+  return std::count(first.begin(), first.end(), 0u) == std::ssize(first);
 }
 
 std::vector<std::size_t> PowerStudy::by_noise() const {
@@ -304,7 +256,7 @@ Result<PowerStudy> prepare_power(const PowerRequest& request) {
   if (!measure) return measure.error();
   study.measure = *measure;
   study.model.design = power_design_of(study.measure->outcome);
-  study.model.trials = request.trials;
+  study.model.trials = request.trials.value_or(kPaperTrialsOfCondition);
   study.tests = power_tests(study.model.design);
   study.has_paper_effects = request.effects.empty();
   if (study.has_paper_effects) {
@@ -322,22 +274,6 @@ Result<PowerStudy> prepare_power(const PowerRequest& request) {
   if (!failed) failed = check_scatter(study);
   if (failed) return *failed;
   return study;
-}
-
-std::vector<std::string> power_notes(const PowerStudy& study) {
-  std::vector<std::string> notes;
-  if (!study.measure->not_normal.empty()) {
-    notes.emplace_back("The model is normal, and the measure is " +
-                       std::string(study.measure->not_normal) +
-                       ". Take the numbers of people as approximate.");
-  }
-  add_effect_notes(study, notes);
-  add_error_notes(study, notes);
-  notes.emplace_back(
-      "u, how people differ in all conditions alike, cancels in every test; what "
-      "counts is the variance of w plus that of e divided by the trials in a "
-      "condition.");
-  return notes;
 }
 
 }  // namespace palpate

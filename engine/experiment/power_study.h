@@ -30,28 +30,28 @@ inline constexpr std::array<PowerMeasure, 4> kPowerMeasures = {
 inline constexpr int kMostPowerParticipants = 200;
 inline constexpr int kMostPowerSets = 1'000'000;
 inline constexpr int kMostPowerTrials = 1'000;
-// The largest mean of a condition and the largest standard deviation, in the unit of the outcome.
-// Far beyond any measure, and small enough that no square overflows.
-inline constexpr double kMostPowerValue = 1e9;
 // The powers for which the smallest number of participants is found, in percent.
 inline constexpr std::array<int, 2> kPowerPercents = {80, 90};
 
 // What the options say. Elements of errors are the options.
 struct PowerRequest {
   std::string measure = "time";
-  std::string effects;  // "NoH-NoR=29,NoH-R=31,...", each condition once; empty: the paper's
-  std::string pilot;    // file of trials; empty: none
+  // "NoH-NoR=29, NoH-R=31, ...", each condition once; empty: the paper's.
+  std::string effects;
+  std::string pilot;  // file of trials; empty: none
   std::string following;
   std::optional<double> error_sd;          // of one trial; no value: the paper's
   std::optional<double> share_u, share_w;  // of the variance of one trial; no value: the grid
-  int trials = kPaperTrialsOfCondition;    // of a participant in a condition
+  // Of a participant in a condition; no value: the pilot's, rounded, or the paper's without a
+  // pilot.
+  std::optional<int> trials;
   PowerSettings settings;
 };
 
 // Where the variances of one model come from.
 struct PowerAssumption {
-  std::string error_from;               // "paper, F of Haptic"; "--error"; "pilot"
-  double error_sd = 0.0;                // of one trial: sqrt(u + w + e)
+  std::string error_from;  // "paper, F of Haptic"; "paper's paired difference"; "--error"; "pilot"
+  double error_sd = 0.0;   // of one trial: sqrt(u + w + e)
   double share_u = 0.0, share_w = 0.0;  // of u + w + e
 };
 
@@ -61,14 +61,15 @@ struct PowerStudy {
   bool has_paper_effects = false;
   PowerModel model;
   std::vector<PowerAssumption> assumptions;  // one for each of model.variances
+  std::vector<PaperScatter> paper_scatter;   // from which the error follows; empty: not the paper's
   std::optional<PilotEstimate> pilot;
   PowerTests tests;
   PowerCounts counts;  // of simulate_power()
 
   const PowerSettings& settings() const { return request.settings; }
-  // The variance of the mean of a participant in a condition, less u, which cancels in all tests.
-  // The power depends on it alone, and on the effects.
-  double noise(std::size_t model_index) const;
+  double noise(std::size_t model_index) const { return model.noise(model_index); }
+  // Whether all assumptions have the same noise, and therefore the same answers.
+  bool has_one_noise() const;
   // The models by ascending noise.
   std::vector<std::size_t> by_noise() const;
 };
@@ -78,10 +79,7 @@ struct PowerStudy {
 // Errors: an effect that is no number, is not finite or beyond kMostPowerValue, an unknown,
 // repeated or missing condition; shares with a sum above 1, or that leave no variance to w and e; a
 // pilot together with --error or a share; --following without a pilot; those of read_pilot() and
-// estimate_pilot(); means so large that their rounding would hide the scatter.
+// estimate_pilot(); means or shares so large that their rounding would hide the scatter.
 Result<PowerStudy> prepare_power(const PowerRequest& request);
-
-// Sentences that a reader must know: what is assumed, and what is not normal.
-std::vector<std::string> power_notes(const PowerStudy& study);
 
 }  // namespace palpate

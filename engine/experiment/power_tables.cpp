@@ -1,8 +1,14 @@
 #include "engine/experiment/power_tables.h"
 
+#include <array>
+#include <charconv>
+
 #include <nlohmann/json.hpp>
 
 #include "engine/experiment/intervals.h"
+#include "engine/experiment/power_fit.h"
+#include "engine/experiment/power_notes.h"
+#include "engine/experiment/power_text.h"
 
 namespace palpate {
 namespace {
@@ -13,15 +19,36 @@ std::string correction_name(const PowerTest& test) {
   return std::string(kPowerCorrectionNames[static_cast<std::size_t>(test.correction)]);
 }
 
+// The number of six digits that is nearest to the value.
+double six_digits(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
+                                 std::chars_format::scientific, 5);
+  double rounded = value;
+  std::from_chars(text.data(), end.ptr, rounded);
+  return rounded;
+}
+
 std::vector<ResultCell> assumption_cells(const PowerStudy& study, std::size_t i) {
   const PowerAssumption& assumed = study.assumptions[i];
-  return {assumed.error_from, assumed.error_sd, assumed.share_u, assumed.share_w};
+  return {assumed.error_from, six_digits(assumed.error_sd), six_digits(assumed.share_u),
+          six_digits(assumed.share_w)};
 }
 
 ResultCell people_cell(const PowerStudy& study, std::size_t i, std::size_t test, int percent) {
   const auto n = study.counts.smallest(i, test, study.settings().sets, percent);
   if (!n || study.tests.is_null(study.tests.tests[test], study.model.means)) return {};
   return *n;
+}
+
+ResultCell bound_cell(const PowerStudy& study, std::size_t test, const std::optional<int>& n) {
+  if (!n || study.tests.is_null(study.tests.tests[test], study.model.means)) return {};
+  return *n;
+}
+
+PowerJson json_count(const ResultCell& cell) {
+  const int* n = std::get_if<int>(&cell);
+  return n ? PowerJson(*n) : PowerJson(nullptr);
 }
 
 PowerJson json_number(const std::optional<double>& value) {
@@ -44,7 +71,13 @@ PowerJson settings_json(const PowerStudy& study) {
   json["error_sd"] = json_number(request.error_sd);
   json["share_u"] = json_number(request.share_u);
   json["share_w"] = json_number(request.share_w);
-  json["trials_of_condition"] = request.trials;
+  for (const PaperScatter& scatter : study.paper_scatter) {
+    json["paper_errors"].push_back({{"from", scatter.from},
+                                    {"sd", scatter.sd},
+                                    {"rounding_low", scatter.low},
+                                    {"rounding_high", scatter.high}});
+  }
+  json["trials_of_condition"] = study.model.trials;
   json["participants"] = request.settings.participants;
   json["data_sets"] = request.settings.sets;
   json["seed"] = request.settings.seed;
@@ -70,6 +103,11 @@ PowerJson pilot_json(const PowerStudy& study) {
   for (std::size_t c = 0; c < pilot.means.size(); ++c) {
     json["means"][study.model.design.condition_name(c)] = pilot.means[c];
   }
+  const PilotFit fit = pilot_fit(pilot, study.tests);
+  json["fit"] = {{"f", fit.f}, {"p_below", fit.p_below}};
+  for (const PilotPair& pair : fit.pairs) {
+    json["fit"]["sd_of_differences"][pair.pair] = {{"pilot", pair.observed}, {"model", pair.model}};
+  }
   return json;
 }
 
@@ -85,9 +123,11 @@ PowerJson test_json(const PowerStudy& study, std::size_t i, std::size_t t) {
   json["correction"] = correction_name(test);
   json["has_effect"] = !study.tests.is_null(test, study.model.means);
   for (const int percent : kPowerPercents) {
-    const ResultCell cell = people_cell(study, i, t, percent);
-    const int* n = std::get_if<int>(&cell);
-    json["people"][percent_name(percent)] = n ? PowerJson(*n) : PowerJson(nullptr);
+    const std::string name = percent_name(percent);
+    const PeopleBounds bounds = people_bounds(study, i, t, percent);
+    json["people"][name] = json_count(people_cell(study, i, t, percent));
+    json["people_bounds"][name] = {json_count(bound_cell(study, t, bounds.low)),
+                                   json_count(bound_cell(study, t, bounds.high))};
   }
   for (int n = 2; n <= study.settings().participants; ++n) {
     json["significant"].push_back(study.counts.at(i, t, n));
@@ -99,11 +139,15 @@ PowerJson test_json(const PowerStudy& study, std::size_t i, std::size_t t) {
 
 ResultTable power_people_table(const PowerStudy& study) {
   ResultTable table{
-      "people",
+      "needed_people",
       {"error_from", "error_sd", "share_u", "share_w", "test", "correction", "has_effect"},
       {}};
   for (const int percent : kPowerPercents) {
     table.columns.push_back("people_for_" + percent_name(percent));
+  }
+  for (const int percent : kPowerPercents) {
+    table.columns.push_back("low_for_" + percent_name(percent));
+    table.columns.push_back("high_for_" + percent_name(percent));
   }
   for (std::size_t i = 0; i < study.assumptions.size(); ++i) {
     for (std::size_t t = 0; t < study.tests.tests.size(); ++t) {
@@ -112,6 +156,11 @@ ResultTable power_people_table(const PowerStudy& study) {
       row.insert(row.end(), {test.name, correction_name(test),
                              study.tests.is_null(test, study.model.means) ? 0 : 1});
       for (const int percent : kPowerPercents) row.push_back(people_cell(study, i, t, percent));
+      for (const int percent : kPowerPercents) {
+        const PeopleBounds bounds = people_bounds(study, i, t, percent);
+        row.push_back(bound_cell(study, t, bounds.low));
+        row.push_back(bound_cell(study, t, bounds.high));
+      }
       table.rows.push_back(std::move(row));
     }
   }
@@ -130,9 +179,9 @@ ResultTable power_curve_table(const PowerStudy& study) {
         const int count = study.counts.at(i, t, n);
         const Interval interval = wilson_interval(count, sets);
         auto row = assumption_cells(study, i);
-        row.insert(row.end(),
-                   {study.tests.tests[t].name, correction_name(study.tests.tests[t]), n, sets,
-                    count, static_cast<double>(count) / sets, interval.low, interval.high});
+        row.insert(row.end(), {study.tests.tests[t].name, correction_name(study.tests.tests[t]), n,
+                               sets, count, static_cast<double>(count) / sets,
+                               six_digits(interval.low), six_digits(interval.high)});
         table.rows.push_back(std::move(row));
       }
     }

@@ -9,13 +9,14 @@
 
 namespace palpate {
 
-// people.csv: one row per assumption and test, with the smallest number of participants for each of
-// kPowerPercents. An empty number beside has_effect = 1: more than the largest number. Beside
-// has_effect = 0: the assumed means make the test's hypothesis true, so that no number helps.
+// needed_people.csv: one row per assumption and test, with the smallest number of participants for
+// each of kPowerPercents. An empty number beside has_effect = 1: more than the largest number.
+// Beside has_effect = 0: the assumed means make the test's hypothesis true, so that no number
+// helps. The columns at the end are the bounds of each number (people_bounds()).
 ResultTable power_people_table(const PowerStudy& study);
 
 // power.csv: one row per assumption, test and number of participants, with the power and its
-// 95 % interval (wilson_interval).
+// 95 % interval (wilson_interval). Numbers that are not exact have six digits.
 ResultTable power_curve_table(const PowerStudy& study);
 
 // power.json: the request, the model, the pilot, the notes, and for each assumption and test the

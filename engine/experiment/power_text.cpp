@@ -5,6 +5,8 @@
 #include <set>
 
 #include "engine/experiment/intervals.h"
+#include "engine/experiment/power_fit.h"
+#include "engine/experiment/power_notes.h"
 #include "engine/experiment/statistics_text.h"
 #include "geometry/base/printable.h"
 
@@ -32,11 +34,11 @@ double power_of(const PowerStudy& study, std::size_t assumption, std::size_t tes
   return static_cast<double>(study.counts.at(assumption, test, n)) / study.settings().sets;
 }
 
-// Of one assumption, with its interval; of several, the range.
+// Of one noise, with its interval; of several, the range.
 std::string example_text(const PowerStudy& study, std::size_t test) {
   constexpr int kDecimals = 3;
   const int n = power_example(study);
-  if (study.assumptions.size() == 1) {
+  if (study.has_one_noise()) {
     const Interval interval = wilson_interval(study.counts.at(0, test, n), study.settings().sets);
     return with_decimals(power_of(study, 0, test, n), kDecimals) + " (" +
            with_decimals(interval.low, kDecimals) + " to " +
@@ -48,6 +50,10 @@ std::string example_text(const PowerStudy& study, std::size_t test) {
     most = std::max(most, power_of(study, i, test, n));
   }
   return range_text(with_decimals(most, kDecimals), with_decimals(least, kDecimals));
+}
+
+std::string people_number(const PowerStudy& study, const std::optional<int>& n) {
+  return n ? std::to_string(*n) : ">" + std::to_string(study.settings().participants);
 }
 
 // The smallest and the largest answer of all assumptions.
@@ -66,6 +72,15 @@ std::string people_range(const PowerStudy& study, std::size_t test, int percent)
   return range_text(least_text, most_text);
 }
 
+// "12", or "12 (11 to 13)"
+std::string people_with_bounds(const PowerStudy& study, std::size_t test, int percent) {
+  const std::string people = people_text(study, 0, test, percent);
+  const PeopleBounds bounds = people_bounds(study, 0, test, percent);
+  if (people == kNoEffect || bounds.low == bounds.high) return people;
+  return people + " (" + people_number(study, bounds.low) + " to " +
+         people_number(study, bounds.high) + ")";
+}
+
 std::string effects_text(const PowerStudy& study) {
   std::string text;
   for (std::size_t c = 0; c < study.model.means.size(); ++c) {
@@ -75,7 +90,25 @@ std::string effects_text(const PowerStudy& study) {
   return text + unit_suffix(study) + (study.has_paper_effects ? " (from the paper)" : "");
 }
 
-// "8.98 s (paper, F of Haptic), 9.88 s (paper, F of Rotation)"
+// "; 7.12 to 10.9 by rounding"
+std::string rounding_text(const PaperScatter& scatter) {
+  return "; " + number_or_dash(scatter.low) + " to " + number_or_dash(scatter.high) +
+         " by the rounding of its means";
+}
+
+// Where an error is from, with what the rounding of the paper's means allows.
+std::string error_source(const PowerStudy& study, const std::string& from) {
+  for (const PaperScatter& scatter : study.paper_scatter) {
+    if (study.measure->outcome == Outcome::kContactAngle) {
+      return "assumed, so that the paired difference has the paper's " +
+             number_or_dash(scatter.sd) + unit_suffix(study) + rounding_text(scatter);
+    }
+    if (from.ends_with(scatter.from)) return from + rounding_text(scatter);
+  }
+  return from;
+}
+
+// "8.98 s (paper, F of Haptic; 7.1 to 10.9 by ...), 9.88 s (paper, F of Rotation; ...)"
 std::string errors_text(const PowerStudy& study) {
   std::string text;
   std::set<std::string> done;
@@ -86,7 +119,7 @@ std::string errors_text(const PowerStudy& study) {
       if (other.error_from == assumed.error_from) sds.push_back(other.error_sd);
     }
     text += (text.empty() ? "" : ", ") + number_range(std::move(sds)) + unit_suffix(study) + " (" +
-            assumed.error_from + ")";
+            error_source(study, assumed.error_from) + ")";
   }
   return text;
 }
@@ -99,7 +132,10 @@ std::string shares_text(const PowerStudy& study) {
   }
   const std::size_t count = study.assumptions.size();
   std::string text = "u " + number_range(std::move(u)) + ", w " + number_range(std::move(w));
-  if (count > 1) text += "; " + std::to_string(count) + " combinations with the error";
+  if (count > 1) {
+    text += "; " + std::to_string(count) + " combinations with the error";
+    if (study.has_one_noise()) text += ", all with the same noise";
+  }
   return text;
 }
 
@@ -107,13 +143,26 @@ std::string pilot_text(const PowerStudy& study) {
   const PilotEstimate& pilot = *study.pilot;
   const PowerVariances& v = pilot.variances;
   return printable(study.request.pilot) + ": " + std::to_string(pilot.participants) + " people, " +
-         std::to_string(pilot.trials) + " trials; sd of u " + number_or_dash(std::sqrt(v.u)) +
-         ", of w " + number_or_dash(std::sqrt(v.w)) + ", of e " + number_or_dash(std::sqrt(v.e)) +
-         unit_suffix(study);
+         std::to_string(pilot.trials) + " trials, m = " + number_or_dash(pilot.m) + "; sd of u " +
+         number_or_dash(std::sqrt(v.u)) + ", of w " + number_or_dash(std::sqrt(v.w)) + ", of e " +
+         number_or_dash(std::sqrt(v.e)) + unit_suffix(study);
 }
 
 std::string padded(std::string text, std::size_t width) {
   text.resize(std::max(width, text.size()), ' ');
+  return text;
+}
+
+std::string padded_rows(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths(rows[0].size());
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size() + 2);
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i + 1 < row.size(); ++i) text += padded(row[i], widths[i]);
+    text += row.back() + "\n";
+  }
   return text;
 }
 
@@ -129,16 +178,18 @@ std::string table_text(const PowerStudy& study) {
     rows.back().insert(rows.back().end(), line.people.begin(), line.people.end());
     rows.back().push_back(line.power);
   }
-  std::vector<std::size_t> widths(rows[0].size());
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size() + 2);
+  return padded_rows(rows);
+}
+
+std::string pairs_text(const PowerStudy& study) {
+  if (!study.pilot) return "";
+  std::vector<std::vector<std::string>> rows = {
+      {"sd of people's differences" + (unit_suffix(study).empty() ? "" : "," + unit_suffix(study)),
+       "pilot", "model with m = " + number_or_dash(study.pilot->m)}};
+  for (const PilotPair& pair : pilot_fit(*study.pilot, study.tests).pairs) {
+    rows.push_back({"  " + pair.pair, number_or_dash(pair.observed), number_or_dash(pair.model)});
   }
-  std::string text;
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i + 1 < row.size(); ++i) text += padded(row[i], widths[i]);
-    text += row.back() + "\n";
-  }
-  return text;
+  return padded_rows(rows) + "\n";
 }
 
 }  // namespace
@@ -146,8 +197,19 @@ std::string table_text(const PowerStudy& study) {
 std::string people_text(const PowerStudy& study, std::size_t assumption, std::size_t test,
                         int percent) {
   if (study.tests.is_null(study.tests.tests[test], study.model.means)) return kNoEffect;
-  const auto n = study.counts.smallest(assumption, test, study.settings().sets, percent);
-  return n ? std::to_string(*n) : ">" + std::to_string(study.settings().participants);
+  return people_number(study,
+                       study.counts.smallest(assumption, test, study.settings().sets, percent));
+}
+
+PeopleBounds people_bounds(const PowerStudy& study, std::size_t assumption, std::size_t test,
+                           int percent) {
+  const int sets = study.settings().sets;
+  const double power = percent / 100.0;
+  return {
+      study.counts.first_from(
+          assumption, test, [&](int count) { return wilson_interval(count, sets).high >= power; }),
+      study.counts.first_from(
+          assumption, test, [&](int count) { return wilson_interval(count, sets).low >= power; })};
 }
 
 int power_example(const PowerStudy& study) {
@@ -161,7 +223,8 @@ std::vector<PowerLine> power_lines(const PowerStudy& study) {
     const std::string correction(kPowerCorrectionNames[static_cast<std::size_t>(test.correction)]);
     PowerLine line{test.name + ", " + correction, {}, example_text(study, t)};
     for (const int percent : kPowerPercents) {
-      line.people.push_back(people_range(study, t, percent));
+      line.people.push_back(study.has_one_noise() ? people_with_bounds(study, t, percent)
+                                                  : people_range(study, t, percent));
     }
     lines.push_back(std::move(line));
   }
@@ -195,7 +258,7 @@ std::string assumption_text(const PowerStudy& study, std::size_t assumption) {
 std::string power_text(const PowerStudy& study) {
   std::string text;
   for (const auto& [name, value] : power_facts(study)) text += name + ": " + value + "\n";
-  text += "\n" + table_text(study) + "\n";
+  text += "\n" + table_text(study) + "\n" + pairs_text(study);
   for (const std::string& note : power_notes(study)) text += "note: " + note + "\n";
   return text;
 }
