@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "engine/experiment/paper_findings.h"
@@ -111,8 +112,13 @@ void add_pilot_notes(const PowerStudy& study, Notes& notes) {
 std::string rounded_difference(Outcome outcome, const char* level, const char* other) {
   const double a = paper_mean(outcome, level)->mean, b = paper_mean(outcome, other)->mean;
   const double rounding = paper_rounding(a) + paper_rounding(b);
-  return std::string(level) + " - " + other + " = " + number_or_dash(a - b) + " may be " +
-         number_or_dash(a - b - rounding) + " to " + number_or_dash(a - b + rounding);
+  // A difference of decimal numbers, of which four are rounded.
+  const double least = 4.0 * std::numeric_limits<double>::epsilon() * (std::abs(a) + std::abs(b));
+  const auto text = [&](double value) {
+    return number_or_dash(std::abs(value) <= least ? 0.0 : value);
+  };
+  return std::string(level) + " - " + other + " = " + text(a - b) + " may be " +
+         text(a - b - rounding) + " to " + text(a - b + rounding);
 }
 
 std::string rounded_effects(Outcome outcome) {

@@ -1,6 +1,7 @@
 // `palpate experiment power` as a user or a script runs it.
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <functional>
@@ -29,7 +30,7 @@ using Arguments = std::vector<std::string>;
 
 constexpr const char* kHead =
     "following,participant,block,haptic,rotation,object,status,total_time_s\n";
-const char* const kNames[] = {"report.html", "power.json", "people.csv", "power.csv"};
+const char* const kNames[] = {"report.html", "power.json", "needed_people.csv", "power.csv"};
 
 // A line of a file of trials.
 struct PilotLine {
@@ -141,10 +142,10 @@ TEST_F(ExperimentPowerTest, AnswersWithoutOptionsAndNamesAssumptions) {
   EXPECT_EQ(o.exit_code, 0) << o.err;
   EXPECT_EQ(o.err, "");
   for (const char* const part :
-       {"8.98 s (paper, F of Haptic), 9.88 s (paper, F of Rotation)", "u 0.1 to 0.8, w 0.1 to 0.8",
-        "Haptic, Greenhouse-Geisser", "no effect", "H - UaH, Holm", "data sets: 200, seed 2005",
-        "note: The model is normal, and the measure is a time", "is an assumption",
-        "report.html, power.json and 2 tables are in power/\n"}) {
+       {"8.98 s (paper, F of Haptic; ", ", 9.88 s (paper, F of Rotation; ",
+        "u 0.1 to 0.8, w 0.1 to 0.8", "Haptic, Greenhouse-Geisser", "no effect", "H - UaH, Holm",
+        "data sets: 200, seed 2005", "note: The model is normal, and the measure is a time",
+        "is an assumption", "report.html, power.json and 2 tables are in power/\n"}) {
     EXPECT_NE(o.out.find(part), std::string::npos) << part << "\n" << o.out;
   }
   for (const auto& [name, text] : results("power")) EXPECT_FALSE(text.empty()) << name;
@@ -174,7 +175,7 @@ TEST_F(ExperimentPowerTest, WritesTheSameBytesForAnyJobsAndOthersForAnotherSeed)
 TEST_F(ExperimentPowerTest, PilotGivesTheVariancesAndSaysWhatItDid) {
   const test::Outcome o = quick({"--pilot", "pilot.csv", "--out", "out"});
   EXPECT_EQ(o.exit_code, 0) << o.err;
-  EXPECT_NE(o.out.find("pilot: pilot.csv: 3 people, 72 trials; sd of u "), std::string::npos)
+  EXPECT_NE(o.out.find("pilot: pilot.csv: 3 people, 72 trials, m = 4; sd of u "), std::string::npos)
       << o.out;
   const Json pilot = Json::parse(content_of(folder.path("out/power.json")))["pilot"];
   EXPECT_EQ(pilot["trials_of_condition"], 4.0);
@@ -182,6 +183,100 @@ TEST_F(ExperimentPowerTest, PilotGivesTheVariancesAndSaysWhatItDid) {
   EXPECT_EQ(pilot["degrees_of_freedom"]["e"], 36);  // 6 conditions, 3 - 1 people, 4 - 1 trials
   const double ms_pc = pilot["mean_squares"]["pc"], ms_e = pilot["mean_squares"]["e"];
   EXPECT_NEAR(pilot["estimates"]["w"].get<double>(), (ms_pc - ms_e) / 4.0, 1e-9 * ms_e);
+}
+
+TEST_F(ExperimentPowerTest, NeverReplacesThePilot) {
+  fs::create_directory(folder.path("out"));
+  const std::string text = pilot_csv(pilot_lines());
+  for (const char* const name : {"needed_people.csv", "power.csv"}) {
+    const std::string path = std::string("out/") + name;
+    folder.write(path, text);
+    fs::create_symlink(folder.path(path), folder.path("link.csv"));
+    for (const std::string& pilot : {path, std::string("link.csv"), "out/../" + path}) {
+      expect_refused({"--pilot", pilot, "--out", "out"},
+                     {std::string("--out: has the result ") + name + ", which is the pilot"});
+    }
+    fs::remove(folder.path("link.csv"));
+    fs::remove(folder.path(path));
+  }
+  // People's trials under the name that the table had before.
+  folder.write("out/people.csv", text);
+  const test::Outcome o = quick({"--pilot", "out/people.csv", "--out", "out"});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_EQ(content_of(folder.path("out/people.csv")), text);
+}
+
+// A million data sets would take minutes.
+TEST_F(ExperimentPowerTest, RefusesAFolderThatCannotBeWrittenBeforeItSimulates) {
+  folder.write("file", "");
+  expect_refused({"--sets", "1000000", "--participants", "200", "--out", "file/out"}, {"file"});
+}
+
+TEST_F(ExperimentPowerTest, TrialsAreThoseOfThePilotUnlessGiven) {
+  for (const auto& [trials, is_given] : {std::pair(4, false), std::pair(12, true)}) {
+    Arguments arguments{"--pilot", "pilot.csv", "--out", "out"};
+    if (is_given) arguments.insert(arguments.end(), {"--trials", "12"});
+    const test::Outcome o = quick(arguments);
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    EXPECT_NE(o.out.find("trials of a person in a condition: " + std::to_string(trials) + "\n"),
+              std::string::npos)
+        << o.out;
+    EXPECT_EQ(o.out.find("and --trials is 12") != std::string::npos, is_given) << o.out;
+    EXPECT_NE(o.out.find("model with m = 4\n  UaH - NoH"), std::string::npos) << o.out;
+  }
+}
+
+TEST_F(ExperimentPowerTest, NamesThePapersErrorThatRoundingExcludes) {
+  const test::Outcome o = quick({"--measure", "losses"});
+  for (const char* const part :
+       {"2.84 (paper, F of Rotation; 0 to 5.67 by", "5.41 (paper, F of Haptic; 3.54 to 7.37 by",
+        "note: The error 2.84 from the F of Rotation is incompatible with the F of Haptic"}) {
+    EXPECT_NE(o.out.find(part), std::string::npos) << part << "\n" << o.out;
+  }
+}
+
+// A number and its bounds, from the counts in power.json: the interval of a share contains 0.8 just
+// where (count / sets - 0.8)^2 <= z^2 0.8 0.2 / sets.
+TEST_F(ExperimentPowerTest, SmallestNumberHasTheBoundsOfItsInterval) {
+  const test::Outcome o = quick({"--measure", "angle", "--effect", "UaH-NoR=37, UaH-R=32"});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_NE(o.out.find("36 combinations with the error, all with the same noise"),
+            std::string::npos);
+  const Json json = Json::parse(content_of(folder.path("power/power.json")));
+  const Json& test = json["assumptions"][7]["tests"][0];
+  EXPECT_EQ(test, json["assumptions"][30]["tests"][0]);
+  const double bound = 1.959963984540054 * std::sqrt(0.8 * 0.2 / 200.0);
+  int low = 0, high = 0, number = 0;
+  for (int n = 12; n >= 2; --n) {
+    const double above = test["significant"][n - 2].get<int>() / 200.0 - 0.8;
+    if (above >= -bound && low == (n == 12 ? 0 : n + 1)) low = n;
+    if (above >= 0.0 && number == (n == 12 ? 0 : n + 1)) number = n;
+    if (above >= bound && high == (n == 12 ? 0 : n + 1)) high = n;
+  }
+  ASSERT_GT(low, 2);
+  EXPECT_LT(low, number);
+  EXPECT_EQ(test["people"]["0.8"], number);
+  EXPECT_EQ(test["people_bounds"]["0.8"][0], low);
+  EXPECT_EQ(test["people_bounds"]["0.8"][1], high == 0 ? Json(nullptr) : Json(high));
+  const std::string range = std::to_string(number) + " (" + std::to_string(low) + " to " +
+                            (high == 0 ? ">12" : std::to_string(high)) + ")";
+  EXPECT_NE(o.out.find(range), std::string::npos) << range << "\n" << o.out;
+}
+
+// The angle is of UaH alone; practice may have other settings.
+TEST_F(ExperimentPowerTest, PilotOfTheAngleNeedsUaHOnlyAndPracticeMayDiffer) {
+  std::string text =
+      "following,participant,block,haptic,rotation,object,status,contact_angle_deg,view\n";
+  for (const PilotLine& line : pilot_lines()) {
+    if (line.haptic != "UaH") continue;
+    text += ",P" + std::to_string(line.person) + "," + std::to_string(line.block) + ",UaH," +
+            line.rotation + "," + line.object + ",done," + std::to_string(line.time_s) +
+            (line.block == 0 ? ",still\n" : ",turning\n");
+  }
+  folder.write("angle.csv", text);
+  const test::Outcome o = quick({"--measure", "angle", "--pilot", "angle.csv"});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_NE(o.out.find("3 people, 24 trials, m = 4;"), std::string::npos) << o.out;
 }
 
 TEST_F(ExperimentPowerTest, PilotMayHaveMissingTrialsAndSeveralFollowings) {
@@ -194,7 +289,8 @@ TEST_F(ExperimentPowerTest, PilotMayHaveMissingTrialsAndSeveralFollowings) {
     const test::Outcome o =
         quick({"--pilot", "both.csv", "--following", name, "--out", std::string("out-") + name});
     EXPECT_EQ(o.exit_code, 0) << o.err;
-    EXPECT_NE(o.out.find("3 people, " + std::to_string(trials) + " trials;"), std::string::npos)
+    EXPECT_NE(o.out.find("3 people, " + std::to_string(trials) + " trials, m = "),
+              std::string::npos)
         << o.out;
     EXPECT_EQ(o.out.find("13 of 72 trials of the pilot are missing") != std::string::npos,
               trials == 59)
@@ -249,6 +345,10 @@ TEST_F(ExperimentPowerTest, RefusesBadOptionsInOneLine) {
   expect_refused({"--seed", "9007199254740992"}, {"--seed"});
   expect_refused({"--jobs", "0"}, {"--jobs", "from 1 to 1024"});
   expect_refused({"--following", "delayed"}, {"--following: is given without --pilot"});
+  expect_refused({"--share-u", "0.9999999999999999", "--share-w", "0"},
+                 {"--share-u: leaves w and e a standard deviation of "});
+  expect_refused({"--effect", five + ",H-R=1e9"}, {"--effect: gives a standard deviation of "});
+  EXPECT_EQ(quick({"--error", "1e9", "--out", "large"}).exit_code, 0);
   expect_refused({"--error", "1e-8", "--effect", five + ",H-R=28"},
                  {"--error: gives a standard deviation of ", "one scale"});
   expect_refused({"--error", "9", "--error", "8"}, {"--error: is given more than once"});
@@ -294,6 +394,16 @@ TEST_F(ExperimentPowerTest, RefusesBadPilotsInOneLine) {
                          return line.haptic != "NoH" || (line.person == 1) == (line.object == "O1");
                        }),
                        {"condition NoH-NoR: has participants whose objects and blocks no other"});
+  // Each person has an object of his own, and O1 once.
+  expect_pilot_refused(pilot_csv_with([](const PilotLine& line) {
+                         return line.person <= 2 && line.block == 1 &&
+                                (line.person == 1 || line.object == "O1");
+                       }),
+                       {"columns object and block: have so few trials in common"});
+  for (const char* const value : {"1e300", "1e155", "-2e9"}) {
+    expect_pilot_refused(pilot_csv(pilot_lines()) + ",P1,3,NoH,NoR,O1,done," + value + "\n",
+                         {"column total_time_s: is ", "participant P1, which is too large"});
+  }
   auto lines = pilot_lines();
   for (PilotLine& line : lines) line.time_s = 20.0 + 3.0 * line.person;
   expect_pilot_refused(pilot_csv(lines), {"column total_time_s: does not vary"});

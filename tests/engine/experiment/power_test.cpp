@@ -17,6 +17,8 @@
 #include "engine/experiment/comparisons.h"
 #include "engine/experiment/distributions.h"
 #include "engine/experiment/intervals.h"
+#include "engine/experiment/power_fit.h"
+#include "engine/experiment/power_notes.h"
 #include "engine/experiment/power_paper.h"
 #include "engine/experiment/power_pilot.h"
 #include "engine/experiment/power_run.h"
@@ -334,6 +336,29 @@ TEST(Power, DoesNotDependOnJobsOrTheLargestNumberOfPeople) {
   EXPECT_GT(differences, 100);
 }
 
+// w and e in other parts, and another u.
+TEST(Power, EqualNoiseGivesEqualNumbers) {
+  const PowerModel model{
+      kSix, {0.0, 1.0, 0.0, 1.0, 2.0, 1.0}, 4, {{0, 0.1, 3.6}, {0, 2, 2}, {9, 0.7, 1.2}}};
+  EXPECT_EQ(first_of_equal_noise(model), (std::vector<std::size_t>{0, 1, 0}));
+  PowerModel last = model;
+  last.variances = {model.variances[2]};
+  const PowerTests tests = power_tests(kSix);
+  PowerSettings settings;
+  settings.sets = 500;
+  const auto counts = simulate_power(model, tests, settings);
+  const auto alone = simulate_power(last, tests, settings);
+  int differences = 0;
+  for (std::size_t t = 0; t < tests.tests.size(); ++t) {
+    for (int n = 2; n <= settings.participants; ++n) {
+      EXPECT_EQ(counts->at(0, t, n), counts->at(2, t, n));
+      EXPECT_EQ(alone->at(0, t, n), counts->at(2, t, n));
+      differences += counts->at(0, t, n) != counts->at(1, t, n);
+    }
+  }
+  EXPECT_GT(differences, 100);
+}
+
 TEST(Power, StopsWithoutAResult) {
   const PowerModel model{kTwo, {0.0, 1.0}, 1, {{1, 1, 1}}};
   StopFlag stop;
@@ -370,6 +395,37 @@ TEST(PowerOfThePaper, HasTheScatterOfItsOwnModel) {
   EXPECT_NEAR(paper_angle_scatter().sd, 4.29, 0.005);
 }
 
+// By trying means of the losses in steps of a hundredth within half a digit.
+TEST(PowerOfThePaper, RoundingOfItsMeansAllowsARangeOfErrors) {
+  const auto scatter = paper_trial_scatter(Outcome::kLosses);
+  constexpr int kSteps = 100;
+  double least = 1e9, most = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; j <= kSteps; ++j) {
+      for (int k = 0; k <= kSteps; ++k) {
+        const double a = 23.5 + i / 100.0, b = 21.5 + j / 100.0, c = 20.5 + k / 100.0;
+        const double mean = (a + b + c) / 3.0;
+        const double squares =
+            std::pow(a - mean, 2) + std::pow(b - mean, 2) + std::pow(c - mean, 2);
+        const double sd = std::sqrt(240.0 * squares / 2.0 / 19.139);
+        least = std::min(least, sd);
+        most = std::max(most, sd);
+      }
+    }
+  }
+  EXPECT_NEAR(scatter[1].low, least, 1e-12 * least);  // the extremes are at steps
+  EXPECT_NEAR(scatter[1].high, most, 1e-12 * most);
+  EXPECT_NEAR(least, 3.54, 0.005);
+  EXPECT_NEAR(most, 7.37, 0.005);
+  EXPECT_EQ(scatter[0].low, 0.0);  // 22.5 and 22.5
+  EXPECT_NEAR(scatter[0].high, std::sqrt(360.0 * 2.0 / 22.389), 1e-12);
+  EXPECT_FALSE(scatter[1].allows(scatter[0].sd));
+  EXPECT_TRUE(scatter[0].allows(scatter[1].sd));
+  EXPECT_EQ(paper_rounding(29.0), 0.5);
+  EXPECT_DOUBLE_EQ(paper_rounding(27.5), 0.05);
+  EXPECT_DOUBLE_EQ(paper_rounding(0.101), 0.0005);
+}
+
 TEST(PowerOfThePaper, MeansKeepTheLevelsAndHaveNoInteraction) {
   for (const Outcome outcome : {Outcome::kTime, Outcome::kLosses, Outcome::kPenetration}) {
     const auto means = paper_condition_means(outcome);
@@ -394,6 +450,9 @@ TEST(PowerOfThePaper, AngleHasThePairedDifferenceWithAnyShares) {
   for (std::size_t i = 0; i < study->assumptions.size(); ++i) {
     EXPECT_NEAR(std::sqrt(2.0 * study->noise(i)), paper_angle_scatter().sd, 1e-12);
   }
+  EXPECT_TRUE(study->has_one_noise());
+  request.trials = 4;
+  EXPECT_FALSE(prepare_power(request)->has_one_noise());
 }
 
 TEST(PowerRequest, SharesArePartsOfTheVarianceOfOneTrial) {
@@ -453,7 +512,7 @@ TEST(PowerPilot, EstimatesAreUnbiasedOver200Pilots) {
   for (int i = 0; i < kPilots; ++i) {
     const PilotEstimate found = estimate_of(pilot_trials({5, 4, 3, truth}, random));
     EXPECT_EQ(found.variances.w, std::max(0.0, found.raw.w));
-    EXPECT_DOUBLE_EQ(found.m, 12.0);
+    EXPECT_EQ(found.m, 12.0);
     EXPECT_EQ(found.df_e, 6 * 4 * 11);
     estimates.add(found.raw);
   }
@@ -598,15 +657,65 @@ TEST(PowerPilot, NotesSayWhatIsNegativeMissingOrNotNormal) {
   ASSERT_TRUE(study.ok());
   study->pilot = PilotEstimate{};
   study->pilot->raw = {-1.0, -2.0, 3.0};
+  study->pilot->variances = {0.0, 0.0, 3.0};
+  study->pilot->ms_pc = 1.0;
+  study->pilot->ms_e = 5.0;
+  study->pilot->m = 4.0;
   study->pilot->df_pc = 8;
+  study->pilot->df_e = 40;
+  study->pilot->means = {22.0};
+  study->pilot->cells = Eigen::MatrixXd::Zero(3, 6);
   study->pilot->missing = 5;
   study->pilot->left_out = {"Zoe"};
   std::string notes;
   for (const std::string& note : power_notes(*study)) notes += note + "\n";
   for (const char* const part :
        {"a count", "variance of u is -1, which is negative; 0 is used",
-        "variance of w is -2, which is negative; 0 is used", "Zoe", "5 of 5 trials", "50 %"}) {
+        "variance of w is -2, which is negative; 0 is used", "Zoe", "5 of 5 trials", "50 %",
+        "MS_e / m = 1.25, is larger than what was observed, MS_pc / m = 0.25, by the factor 5",
+        "The model does not fit this pilot: F = MS_pc / MS_e = 0.2 with 8 and 40 degrees",
+        "m = 4 trials of a person in a condition, an effective number; 12 are used",
+        "as in the pilot, more people are needed", "are a lower bound", "Sphericity",
+        "R - NoR = 1 may be 0 to 2"}) {
     EXPECT_NE(notes.find(part), std::string::npos) << part << "\n" << notes;
+  }
+  EXPECT_EQ(notes.find("Check the units"), std::string::npos);
+  study->pilot->means = {0.4};
+  EXPECT_NE(power_notes(*study)[0].find("Check the units: the mean of the pilot is 0.4"),
+            std::string::npos);
+}
+
+// P(F < f) by counting: the ratio of two mean squares of normal numbers.
+TEST(PowerPilot, FitIsTheTailOfFAndThePairsAreThoseOfThePeople) {
+  Random random(23008);
+  std::cout << "PALPATE_SEED=" << random.seed() << '\n';
+  PilotEstimate pilot;
+  pilot.df_pc = 10;
+  pilot.df_e = 36;
+  pilot.ms_pc = 0.5;
+  pilot.ms_e = 1.0;
+  pilot.m = 4.0;
+  pilot.variances = {1.0, 0.0, 1.0};
+  pilot.cells = Eigen::MatrixXd::Zero(3, 6);
+  pilot.cells.col(1) << 1.0, 4.0, 7.0;  // NoH-R
+  const PilotFit fit = pilot_fit(pilot, power_tests(kSix));
+  constexpr int kDraws = 20'000;
+  int below = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    double pc = 0.0, e = 0.0;
+    for (int d = 0; d < pilot.df_pc; ++d) pc += std::pow(random.normal(), 2);
+    for (int d = 0; d < pilot.df_e; ++d) e += std::pow(random.normal(), 2);
+    below += pc / pilot.df_pc < 0.5 * e / pilot.df_e;
+  }
+  const double share = static_cast<double>(below) / kDraws;
+  EXPECT_NEAR(fit.p_below, share, 3.0 * std::sqrt(share * (1.0 - share) / kDraws));
+  EXPECT_FALSE(fit.is_too_low());
+  for (const PilotPair& pair : fit.pairs) {
+    const bool is_in_noh = pair.pair == "R - NoR in NoH";
+    // Of 1, 4, 7; the level NoH has half of each.
+    const double expected = is_in_noh ? 3.0 : pair.pair.find("- NoH") < 5 ? 1.5 : 0.0;
+    EXPECT_NEAR(pair.observed, expected, 1e-12) << pair.pair;
+    EXPECT_NEAR(pair.model, pair.pair[0] == 'R' ? std::sqrt(0.5) : 0.5, 1e-12) << pair.pair;
   }
 }
 
