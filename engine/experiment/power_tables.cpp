@@ -9,6 +9,7 @@
 #include "engine/experiment/power_fit.h"
 #include "engine/experiment/power_notes.h"
 #include "engine/experiment/power_text.h"
+#include "engine/experiment/statistics_text.h"
 
 namespace palpate {
 namespace {
@@ -19,14 +20,14 @@ std::string correction_name(const PowerTest& test) {
   return std::string(kPowerCorrectionNames[static_cast<std::size_t>(test.correction)]);
 }
 
-// The number of six digits that is nearest to the value.
-double six_digits(double value) {
+// With six digits, or fewer that identify them.
+std::string six_digits(double value) {
   std::array<char, 32> text;
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
                                  std::chars_format::scientific, 5);
   double rounded = value;
   std::from_chars(text.data(), end.ptr, rounded);
-  return rounded;
+  return as_printed(rounded);
 }
 
 std::vector<ResultCell> assumption_cells(const PowerStudy& study, std::size_t i) {
@@ -180,7 +181,7 @@ ResultTable power_curve_table(const PowerStudy& study) {
         const Interval interval = wilson_interval(count, sets);
         auto row = assumption_cells(study, i);
         row.insert(row.end(), {study.tests.tests[t].name, correction_name(study.tests.tests[t]), n,
-                               sets, count, static_cast<double>(count) / sets,
+                               sets, count, as_printed(static_cast<double>(count) / sets),
                                six_digits(interval.low), six_digits(interval.high)});
         table.rows.push_back(std::move(row));
       }

@@ -16,7 +16,7 @@ namespace palpate {
 ResultTable power_people_table(const PowerStudy& study);
 
 // power.csv: one row per assumption, test and number of participants, with the power and its
-// 95 % interval (wilson_interval). Numbers that are not exact have six digits.
+// 95 % interval (wilson_interval). The power is exact, other numbers have six digits at most.
 ResultTable power_curve_table(const PowerStudy& study);
 
 // power.json: the request, the model, the pilot, the notes, and for each assumption and test the

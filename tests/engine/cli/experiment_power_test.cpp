@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <unistd.h>
 #include <vector>
@@ -263,10 +264,35 @@ TEST_F(ExperimentPowerTest, SmallestNumberHasTheBoundsOfItsInterval) {
   EXPECT_NE(o.out.find(range), std::string::npos) << range << "\n" << o.out;
 }
 
+// A set is a count, so that a power of 200 sets has three decimals.
+TEST_F(ExperimentPowerTest, CurvesHaveExactPowersAndFewDigits) {
+  EXPECT_EQ(quick({"--measure", "angle"}).exit_code, 0);
+  std::istringstream lines(content_of(folder.path("power/power.csv")));
+  std::string line;
+  std::getline(lines, line);
+  int count = 0;
+  for (; std::getline(lines, line); ++count) {
+    std::vector<std::string> cells;
+    std::istringstream parts(line);
+    for (std::string cell; std::getline(parts, cell, ',');) cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 12u) << line;
+    EXPECT_EQ(std::stod(cells[9]), std::stoi(cells[8]) / 200.0) << line;
+    EXPECT_LE(cells[9].size(), 5u) << line;
+    for (const int c : {1, 2, 3, 10, 11}) {
+      const std::string cell = cells[static_cast<std::size_t>(c)].substr(
+          0, cells[static_cast<std::size_t>(c)].find('e'));
+      const auto digits = std::count_if(cell.begin(), cell.end(),
+                                        [](char letter) { return letter >= '1' && letter <= '9'; });
+      EXPECT_LE(digits, 6) << line;
+    }
+  }
+  EXPECT_EQ(count, 36 * 2 * 11);
+}
+
 // The angle is of UaH alone; practice may have other settings.
 TEST_F(ExperimentPowerTest, PilotOfTheAngleNeedsUaHOnlyAndPracticeMayDiffer) {
   std::string text =
-      "following,participant,block,haptic,rotation,object,status,contact_angle_deg,view\n";
+      "following,participant,block,haptic,rotation,object,status,mean_contact_angle_deg,view\n";
   for (const PilotLine& line : pilot_lines()) {
     if (line.haptic != "UaH") continue;
     text += ",P" + std::to_string(line.person) + "," + std::to_string(line.block) + ",UaH," +
