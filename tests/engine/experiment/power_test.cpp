@@ -674,7 +674,7 @@ TEST(PowerPilot, NotesSayWhatIsNegativeMissingOrNotNormal) {
         "variance of w is -2, which is negative; 0 is used", "Zoe", "5 of 5 trials", "50 %",
         "MS_e / m = 1.25, is larger than what was observed, MS_pc / m = 0.25, by the factor 5",
         "The model does not fit this pilot: F = MS_pc / MS_e = 0.2 with 8 and 40 degrees",
-        "m = 4 trials of a person in a condition, an effective number; 12 are used",
+        "The pilot's m is 4 trials of a person in a condition, an effective number; 12 are used",
         "as in the pilot, more people are needed", "are a lower bound", "Sphericity",
         "R - NoR = 1 may be 0 to 2"}) {
     EXPECT_NE(notes.find(part), std::string::npos) << part << "\n" << notes;
