@@ -40,7 +40,7 @@ std::vector<std::string> written_paths(const DealtRun& run, const DealtSettings&
   std::vector<std::string> paths{log_path(folder), part_identity_path(folder)};
   for (const int unit : units) paths.push_back(part_path(folder, run.units.noun, unit));
   if (settings.shard) return paths;
-  for (const char* const name : run.result_names) {
+  for (const std::string& name : run.result_names) {
     paths.push_back((fs::path(folder) / name).string());
   }
   return paths;

@@ -42,7 +42,7 @@ struct UnitRun {
 struct DealtRun {
   DealtUnits units;
   std::string identity_json;              // RunIdentity::json()
-  std::vector<const char*> result_names;  // of the files that a merge writes into the folder
+  std::vector<std::string> result_names;  // of the files that a merge writes into the folder
   std::function<std::uint64_t(int unit)> trials;
   // Computes a unit. after_trial must be called after each trial; if it returns false, the unit
   // ends without a result.
