@@ -1,6 +1,6 @@
 #include "engine/experiment/canonical_trial.h"
 
-#include <limits>
+#include <cmath>
 
 #include "engine/experiment/canonical_measures.h"
 #include "engine/experiment/canonical_wall.h"
@@ -8,6 +8,19 @@
 #include "engine/simulation/hand_session.h"
 
 namespace palpate {
+namespace {
+
+// The number of ticks after which the motion is over if the picture of time 0 is seen.
+std::uint64_t ticks_until_over(const OperatorParameters& person, CanonicalMotion motion,
+                               double dt_s) {
+  const double over_s = person.sight_delay_s + canonical_duration_s(person, motion);
+  // The delay and the motion each end with the tick after them; one tick finds the motion over; and
+  // the rounding of times may add one.
+  constexpr double kMoreTicks = 4.0;
+  return static_cast<std::uint64_t>(std::ceil(over_s / dt_s) + kMoreTicks);
+}
+
+}  // namespace
 
 Result<CanonicalOutcome> run_canonical_trial(const Scene& wall, const RunSetup& device,
                                              double display_Hz, const OperatorParameters& person,
@@ -22,10 +35,10 @@ Result<CanonicalOutcome> run_canonical_trial(const Scene& wall, const RunSetup& 
   const auto session =
       HandSession::create(wall, setup, plant, hand, hand.start_scene_m(), {&measures});
   if (!session) return session.error();
-  constexpr auto kUntilTheMotionEnds = std::numeric_limits<std::uint64_t>::max();
   CanonicalOutcome outcome;
   outcome.ticks = (*session)->run_simulated(
-      kUntilTheMotionEnds, [&](std::uint64_t) { return hand.is_over() || measures.is_spoilt(); });
+      ticks_until_over(person, conditions.cell.motion, setup.dt_s),
+      [&](std::uint64_t) { return hand.is_over() || measures.is_spoilt(); });
   outcome.loop_ns = measures.loop_ns();
   outcome.is_spoilt = measures.is_spoilt();
   if (outcome.is_spoilt) return outcome;
