@@ -30,8 +30,9 @@ Result<CanonicalOutcome> run_canonical_trial(const Scene& wall, const RunSetup& 
   const PlantSettings plant = plant_of(setup, person, conditions.noise_seed);
   if (const auto error = check_setup(wall, setup)) return *error;
   if (const auto error = check_plant(plant, setup.dt_s)) return *error;
-  CanonicalHand hand(person, conditions.cell.motion, display_Hz, setup.haptics.god_object.radius_m);
-  CanonicalMeasures measures;
+  const double radius_m = setup.haptics.god_object.radius_m;
+  CanonicalHand hand(person, conditions.cell.motion, display_Hz, radius_m);
+  CanonicalMeasures measures(radius_m);
   const auto session =
       HandSession::create(wall, setup, plant, hand, hand.start_scene_m(), {&measures});
   if (!session) return session.error();
