@@ -365,7 +365,7 @@ class ExperimentCommand final : public Command {
   CLI::App* add_to(CLI::App& program) override {
     app_ = program.add_subcommand(
         "experiment",
-        "run the paper's experiment or a wall with simulated operators, and analyse trials");
+        "run the paper's experiment, or a wall, with simulated operators, and analyse trials");
     app_->require_subcommand(1);
     set_help(*app_, "  ./run.sh experiment plan paper --out plan.json\n",
              "Edit the plan, run it, and compare the trials with the paper's results:\n"

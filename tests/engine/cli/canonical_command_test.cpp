@@ -257,7 +257,7 @@ TEST_F(CanonicalCommandTest, ResultsOfTheOtherProtocolInTheFolderAreReplaced) {
   folder.write("star.json", star_plan().dump());
   expect_done({"run", "star.json", "--out", "out", "--traces"});
   EXPECT_TRUE(fs::exists(path("out/trials.csv")));
-  const std::string trace = path("out/traces/delayed/participant-1/block-1-trial-01-H-R-O1.csv");
+  const std::string trace = path("out/traces/delayed/participant-1/block-1-trial-1-H-R-O1.csv");
   EXPECT_TRUE(fs::exists(trace));
   folder.write("out/traces/delayed/notes.txt", "mine");
   expect_done({"run", "wall.json", "--out", "out"});
