@@ -25,6 +25,7 @@ import groove_figure  # noqa: E402
 import result_tables as tables  # noqa: E402
 import session_results  # noqa: E402
 import soak_results  # noqa: E402
+import sweep_figure  # noqa: E402
 from result_tables import BadInput  # noqa: E402
 
 README = pathlib.PurePath("README.md")
@@ -166,6 +167,7 @@ def blocks_of(root, machines):
                   "view": session_results.view_block(view),
                   "frames": session_results.frames_block(frames),
                   "recording": session_results.recording_block(recording),
+                  "sweep": sweep_figure.block(root / "benchmarks/results/sweep"),
                   **machine_blocks(machines, root)},
     }
 
@@ -173,8 +175,10 @@ def blocks_of(root, machines):
 def figures_of(root):
     """{path: content} of the figures that our own code draws."""
     folder = root / "benchmarks/results/paper_objects"
+    sweep = root / "benchmarks/results/sweep"
     try:
         return {folder / "a4.svg": a4_figure.svg_of(folder),
+                sweep / "a4_helps.svg": sweep_figure.svg_of(sweep),
                 root / "haptics/proxy/groove.svg": groove_figure.draw()}
     except (OSError, ValueError, KeyError) as error:
         raise BadInput(f"{folder}: expected a4.json and objects.json of measure_objects.py "

@@ -18,7 +18,9 @@
 #include "engine/cli/experiment_power.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/cli/run_progress.h"
 #include "engine/cli/shard_option.h"
+#include "engine/cli/sweep_command.h"
 #include "engine/experiment/canonical_plan.h"
 #include "engine/experiment/canonical_rows.h"
 #include "engine/experiment/canonical_run.h"
@@ -54,14 +56,6 @@ std::string participants_text(const std::vector<int>& numbers) {
   return (numbers.size() == 1 ? "participant " : "participants ") + number_list(numbers);
 }
 
-// "12 s", "3 min 20 s", "2 h 5 min"
-std::string duration_text(double seconds) {
-  const auto s = static_cast<long long>(seconds + 0.5);
-  if (s < 60) return std::to_string(s) + " s";
-  if (s < 3600) return std::to_string(s / 60) + " min " + std::to_string(s % 60) + " s";
-  return std::to_string(s / 3600) + " h " + std::to_string(s % 3600 / 60) + " min";
-}
-
 std::string merged_text(const MergedExperiment& merged, const std::string& folder) {
   std::ostringstream text;
   text << merged.trials << " trials of " << merged.participants
@@ -78,11 +72,14 @@ std::string merged_text(const MergedCanonical& merged, const std::string& folder
   text << merged.trials << " trials of " << merged.participants
        << (merged.participants == 1 ? " participant" : " participants") << " at the canonical wall";
   if (merged.without_result > 0) text << ", " << merged.without_result << " without a result";
-  text << "\ncanonical.csv, columns.csv, report.html and run.json are in " << folder << "/\n";
+  text << "\ncanonical.csv, columns.csv, canonical.html and run.json are in " << folder << "/\n";
   return text.str();
 }
 
 const std::vector<std::string>& warnings_of(const MergedCanonical& merged) {
+  return merged.warnings;
+}
+const std::vector<std::string>& warnings_of(const MergedSweep& merged) {
   return merged.warnings;
 }
 std::vector<std::string> warnings_of(const MergedExperiment&) {
@@ -133,12 +130,7 @@ int run_with_progress(const ExperimentRunRequest& request, std::vector<std::stri
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   const auto outcome = [&] {
     ProgressBar bar("experiment");
-    return run([&](const RunProgress& progress) {
-      bar.show(progress.time_left_s
-                   ? "experiment, " + duration_text(*progress.time_left_s) + " left"
-                   : "experiment",
-               progress.share);
-    });
+    return run(shown_in(bar, "experiment"));
   }();
   if (!outcome) return refuse(outcome.error());
   if (!outcome->not_done.empty()) return report_interruption(*outcome, request);
@@ -190,9 +182,10 @@ void add_run(CLI::App& experiment, ExperimentRunRequest& request) {
            "A participant's trials appear in DIR/parts together. If the command is interrupted or "
            "killed, the\nsame command computes the missing participants only. trials.csv, "
            "columns.csv and run.json appear\nwhen all participants are complete; run.log has the "
-           "times of computing.\nResults of another plan in DIR are replaced.\n\n"
+           "times of computing.\nResults of another plan in DIR stay until the new results "
+           "replace them; a shard replaces the\nparts and the traces of another plan only.\n\n"
            "A plan with \"protocol\": \"canonical\" has a wall in place of objects: "
-           "canonical.csv and report.html\nappear in place of trials.csv.\n");
+           "canonical.csv and canonical.html\nappear in place of trials.csv.\n");
   app.add_option("PLAN", request.plan,
                  "plan, a JSON file; `paper` and `canonical` are the plans that ship")
       ->required();
@@ -214,10 +207,11 @@ struct ExperimentPlanRequest {
 
 int write_plan(const ExperimentPlanRequest& request) {
   const bool is_canonical = request.name == kCanonicalPlan;
-  if (request.name != kPaperPlan && !is_canonical) {
-    return refuse(invalid_argument("NAME", "is \"" + request.name + "\"; expected " +
-                                               std::string(kPaperPlan) + " or " +
-                                               std::string(kCanonicalPlan)));
+  const bool is_sweep = request.name == kShippedSweep;
+  if (request.name != kPaperPlan && !is_canonical && !is_sweep) {
+    return refuse(invalid_argument(
+        "NAME", "is \"" + request.name + "\"; expected " + std::string(kPaperPlan) + ", " +
+                    std::string(kCanonicalPlan) + " or " + std::string(kShippedSweep)));
   }
   const std::string path = request.out_path.empty() ? request.name + ".json" : request.out_path;
   std::error_code failed;
@@ -226,14 +220,17 @@ int write_plan(const ExperimentPlanRequest& request) {
                    "exists already, and may have been edited; expected a new file",
                    "choose another name with --out, or remove the file"});
   }
+  const std::string folder = fs::path(path).parent_path().string();
   const auto text = is_canonical ? Result<std::string>(std::string(shipped_canonical()))
-                                 : paper_plan_for(fs::path(path).parent_path().string());
+                    : is_sweep   ? shipped_sweep_for(folder)
+                                 : paper_plan_for(folder);
   if (!text) return refuse(text.error());
   auto file = WholeFile::create(path);
   if (!file) return refuse(file.error());
   file->add(*text);
   if (const auto error = file->finish()) return refuse(*error);
-  std::cout << path << "\nrun it: " << shell_line({"experiment", "run", path}) << "\n";
+  std::cout << path << "\nrun it: " << shell_line({"experiment", is_sweep ? "sweep" : "run", path})
+            << "\n";
   return finish_output();
 }
 
@@ -242,10 +239,13 @@ void add_plan(CLI::App& experiment, ExperimentPlanRequest& request) {
       *experiment.add_subcommand("plan", "write a plan that ships, to edit it or to read it");
   set_help(app,
            "  ./run.sh experiment plan paper --out plan.json\n"
-           "  ./run.sh experiment plan canonical --out wall.json\n",
+           "  ./run.sh experiment plan canonical --out wall.json\n"
+           "  ./run.sh experiment plan sweep --out sweep.json\n",
            "The paths of the objects in the plan lead from the plan's folder to the models.\n");
-  app.add_option("NAME", request.name,
-                 "paper: the paper's experiment; canonical: a wall at an angle to the motor")
+  app.add_option(
+         "NAME", request.name,
+         "paper: the paper's experiment; canonical: a wall at an angle to the motor; sweep: "
+         "other assumptions about the hand")
       ->required();
   app.add_option("--out", request.out_path, "file to write; it must not exist [NAME.json]");
 }
@@ -273,6 +273,8 @@ Result<std::string> merge_folders(const std::vector<std::string>& folders, const
       break;
     case RunKind::kCanonical:
       return merged_folders(merge_canonical(folders, out), out, warnings);
+    case RunKind::kSweep:
+      return merged_folders(merge_sweep(folders, out), out, warnings);
   }
   return merged_folders(merge_experiment(folders, out), out, warnings);
 }
@@ -287,14 +289,17 @@ int merge(const ExperimentMergeRequest& request) {
 }
 
 void add_merge(CLI::App& experiment, ExperimentMergeRequest& request) {
-  CLI::App& app = *experiment.add_subcommand("merge", "join the shards of an experiment");
+  CLI::App& app =
+      *experiment.add_subcommand("merge", "join the shards of an experiment or of a sweep");
   set_help(app,
            "  ./run.sh experiment plan paper --out plan.json\n"
            "  ./run.sh experiment run plan.json --shard 1/2 --out shard-1\n"
            "  ./run.sh experiment run plan.json --shard 2/2 --out shard-2\n"
            "  ./run.sh experiment merge shard-1 shard-2 --out experiment\n",
-           "A participant may be in several shards, if its results are equal.\n");
-  app.add_option("DIR", request.folders, "folders of `experiment run --out`")->required();
+           "A participant, or a point of a sweep, may be in several shards, if its results are "
+           "equal.\n");
+  app.add_option("DIR", request.folders, "folders of `experiment run --out` or `experiment sweep`")
+      ->required();
   app.add_option("--out", request.out_dir, "folder of the results; it may be one of DIR")
       ->capture_default_str();
 }
@@ -310,9 +315,11 @@ int analyse(const ExperimentAnalyseRequest& request) {
   if (!rows) {
     Error error = rows.error();
     std::error_code failed;
-    if (fs::is_directory(request.source.file, failed)) {
-      error.hint = "name the file of trials in it, such as " +
-                   (fs::path(request.source.file) / "trials.csv").string();
+    const fs::path folder = request.source.file;
+    if (fs::is_directory(folder, failed)) {
+      error.hint = canonical_results_in(folder.string()).empty()
+                       ? "name the file of trials in it, such as " + (folder / kTrialsFile).string()
+                       : (folder / kCanonicalPage).string() + " has the analysis of this run";
     }
     return refuse(error);
   }
@@ -361,16 +368,20 @@ class ExperimentCommand final : public Command {
  public:
   CLI::App* add_to(CLI::App& program) override {
     app_ = program.add_subcommand(
-        "experiment", "run the paper's experiment with simulated operators, and analyse trials");
+        "experiment",
+        "run the paper's experiment, or a wall, with simulated operators, and analyse trials");
     app_->require_subcommand(1);
     set_help(*app_, "  ./run.sh experiment plan paper --out plan.json\n",
              "Edit the plan, run it, and compare the trials with the paper's results:\n"
              "  ./run.sh experiment run plan.json --out experiment\n"
              "  ./run.sh experiment analyse experiment/trials.csv\n"
              "The plan of the paper takes about five minutes on two cores.\n\n"
+             "A wall at angles to the only motor, pressed and stroked:\n"
+             "  ./run.sh experiment run canonical --out wall\n\n"
              "./run.sh experiment COMMAND --help lists the options of a command.\n");
     add_plan(*app_, plan_);
     add_run(*app_, run_);
+    add_sweep(*app_, sweep_);
     add_merge(*app_, merge_);
     add_analyse(*app_, analyse_);
     add_power(*app_, power_);
@@ -379,6 +390,7 @@ class ExperimentCommand final : public Command {
 
   int run(const std::vector<std::string>&) override {
     if (app_->got_subcommand("run")) return run_plan(run_);
+    if (app_->got_subcommand("sweep")) return run_sweep_command(sweep_);
     if (app_->got_subcommand("analyse")) return analyse(analyse_);
     if (app_->got_subcommand("plan")) return write_plan(plan_);
     if (app_->got_subcommand("power")) return run_power(power_);
@@ -388,6 +400,7 @@ class ExperimentCommand final : public Command {
  private:
   CLI::App* app_ = nullptr;
   ExperimentRunRequest run_;
+  SweepRequest sweep_;
   ExperimentAnalyseRequest analyse_;
   ExperimentPlanRequest plan_;
   ExperimentMergeRequest merge_;

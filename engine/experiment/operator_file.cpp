@@ -65,24 +65,6 @@ std::optional<Error> read_ranges(const nlohmann::json& value, const std::string&
   return reader.finish();
 }
 
-// A correction at the rate k of an error that is seen after the delay tau: u'(t) = -k u(t - tau) is
-// stable if k tau < pi/2.
-std::optional<Error> check_stable(const OperatorFile& file) {
-  double delay_s = 0.0;
-  double gain_per_s = 0.0;
-  for (std::size_t i = 0; i < kPersonParameterCount; ++i) {
-    const PersonParameter& key = person_parameters()[i];
-    if (key.field == &OperatorParameters::sight_delay_s) delay_s = file.ranges[i].high;
-    if (key.field == &OperatorParameters::gain_per_s) gain_per_s = file.ranges[i].high;
-  }
-  if (gain_per_s * delay_s < 0.5 * std::numbers::pi) return std::nullopt;
-  std::ostringstream text;
-  text << "is " << gain_per_s << " /s, which times the longest delay, " << delay_s << " s, is "
-       << gain_per_s * delay_s << "; expected less than pi/2";
-  return operator_error("/parameters/gain_per_s/high", text.str(),
-                        "lower it, or lower sight_delay_s");
-}
-
 }  // namespace
 
 const std::array<PersonParameter, kPersonParameterCount>& person_parameters() {
@@ -100,6 +82,24 @@ const std::array<PersonParameter, kPersonParameterCount>& person_parameters() {
       {"speed_m_per_s", "m/s", &P::speed_m_per_s, 0.0, 10.0, false},
   }};
   return keys;
+}
+
+// A correction at the rate k of an error that is seen after the delay tau: u'(t) = -k u(t - tau) is
+// stable if k tau < pi/2.
+std::optional<Error> check_operator(const OperatorFile& file) {
+  double delay_s = 0.0;
+  double gain_per_s = 0.0;
+  for (std::size_t i = 0; i < kPersonParameterCount; ++i) {
+    const PersonParameter& key = person_parameters()[i];
+    if (key.field == &OperatorParameters::sight_delay_s) delay_s = file.ranges[i].high;
+    if (key.field == &OperatorParameters::gain_per_s) gain_per_s = file.ranges[i].high;
+  }
+  if (gain_per_s * delay_s < 0.5 * std::numbers::pi) return std::nullopt;
+  std::ostringstream text;
+  text << "is " << gain_per_s << " /s, which times the longest delay, " << delay_s << " s, is "
+       << gain_per_s * delay_s << "; expected less than pi/2";
+  return operator_error("/parameters/gain_per_s/high", text.str(),
+                        "lower it, or lower sight_delay_s");
 }
 
 std::string_view shipped_operator_text(std::string_view name) {
@@ -123,7 +123,7 @@ Result<OperatorFile> parse_operator(std::string_view text, const std::string& pa
     if (auto error = read_ranges(*ranges, "/parameters", file)) reader.fail(*error);
   }
   auto error = reader.finish();
-  if (!error) error = check_stable(file);
+  if (!error) error = check_operator(file);
   if (!error) return file;
   error->path = path;
   return *error;
@@ -139,6 +139,7 @@ Result<OperatorFile> load_operator(const std::string& name_or_path) {
 
 OperatorParameters draw_person(const OperatorFile& file, std::uint64_t seed, int participant) {
   OperatorParameters person;
+  person.comfortable_depth_m = file.comfortable_depth_m;
   for (std::size_t i = 0; i < kPersonParameterCount; ++i) {
     const ParameterRange& range = file.ranges[i];
     SeededRandom random(draw_seed(seed, participant, file.name, range.draw));

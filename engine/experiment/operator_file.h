@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,7 +48,9 @@ struct OperatorFile {
   int version = 1;
   std::string note;
   std::array<ParameterRange, kPersonParameterCount> ranges;  // in the order of person_parameters()
-  std::uint64_t hash = 0;                                    // of the bytes of the file
+  // OperatorParameters::comfortable_depth_m of all persons. Files do not have it; a sweep sets it.
+  double comfortable_depth_m = OperatorParameters{}.comfortable_depth_m;
+  std::uint64_t hash = 0;  // of the bytes of the file
 };
 
 // The operator files that ship, by name.
@@ -57,6 +60,9 @@ std::string_view shipped_operator_text(std::string_view name);
 
 // An error names the element of the file. path: for messages.
 Result<OperatorFile> parse_operator(std::string_view text, const std::string& path);
+
+// An error if the largest gain times the largest delay is pi/2 or more. parse_operator() calls it.
+std::optional<Error> check_operator(const OperatorFile& file);
 
 // name_or_path: one of kShippedOperators, or the path of a file.
 Result<OperatorFile> load_operator(const std::string& name_or_path);

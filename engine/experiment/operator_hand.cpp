@@ -9,9 +9,8 @@
 namespace palpate {
 namespace {
 
-// The pace: the depth beyond the press depth above which it falls, its largest share of v0 before a
-// corner, and the distance from which a corner slows the hand.
-constexpr double kComfortable_m = 5e-3;
+// The pace: its largest share of v0 before a corner, and the distance from which a corner slows the
+// hand.
 constexpr double kPaceAtCorner = 0.3;
 constexpr double kSeesCorner_m = 10e-3;
 
@@ -243,7 +242,8 @@ double OperatorHand::pace_m_per_s() const {
   const Picture& newest = pictures_[(seen_ - 1) % pictures_.size()];
   const double depth_m = (newest.seen.device_scene_m - newest.seen.proxy_scene_m).norm();
   const double deeper_m = std::max(0.0, depth_m - person_.press_depth_m);
-  const double pace = person_.speed_m_per_s * kComfortable_m / std::max(kComfortable_m, deeper_m);
+  const double comfortable_m = person_.comfortable_depth_m;
+  const double pace = person_.speed_m_per_s * comfortable_m / std::max(comfortable_m, deeper_m);
   const double seen_m = seen_along_m();
   const bool is_at_corner = saw_contact_ && has_corner_between(seen_m, seen_m + kSeesCorner_m);
   return is_at_corner ? std::min(pace, kPaceAtCorner * person_.speed_m_per_s) : pace;

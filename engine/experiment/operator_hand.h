@@ -24,10 +24,11 @@ enum class Recovery : std::uint8_t { kOn, kOff };
 // The person aims at a point that is press_depth_m inside the wall and advances along the waypoints
 // of a TargetTrack. The person knows only the newest picture that is sight_delay_s old or older; a
 // picture is taken display_Hz times a second and shows the pose of the scene, the proxy, the device
-// point and whether there is contact. D: press_depth_m; v0: speed_m_per_s; k: gain_per_s.
+// point and whether there is contact. D: press_depth_m; v0: speed_m_per_s; k: gain_per_s; e0:
+// comfortable_depth_m.
 //
 // - Begin: the person touches the contour within the green sphere and then follows it.
-// - Pace: the target advances at v0 e0 / max(e0, e), e0 = 5 mm, e = max(0, seen |goal - proxy| -
+// - Pace: the target advances at v0 e0 / max(e0, e), e = max(0, seen |goal - proxy| -
 //   D), and at most at 0.3 v0 while contact is seen and a corner lies within 10 mm ahead. The paper
 //   instructs people to keep frame and ball (the displayed device and proxy) close together; we
 //   take this to mean that depth slows the hand. The target waits while it is too far ahead of the

@@ -41,8 +41,8 @@ inline View view_of(Following following) {
   return static_cast<std::size_t>(following) < kTurningFollowings ? View::kTurning : View::kStill;
 }
 
-// The parameters of a simulated person. An operator file gives the range of each parameter and the
-// source of the range (operator_file.h).
+// The parameters of a simulated person. An operator file gives the range of each parameter but the
+// last, and the source of the range (operator_file.h).
 struct OperatorParameters {
   double sight_delay_s = 0.15;            // > 0, from a picture to the hand
   double replan_s = 0.35;                 // > 0, for Following::kReplan
@@ -54,6 +54,7 @@ struct OperatorParameters {
   double hand_damping_Ns_per_m = 15.0;    // >= 0
   double press_depth_m = 8e-3;            // > 0, of the target inside the wall
   double speed_m_per_s = 0.045;           // >= 0, along the way
+  double comfortable_depth_m = 5e-3;      // > 0, beyond press_depth_m: deeper, the hand slows
 };
 
 }  // namespace palpate

@@ -283,6 +283,15 @@ std::span<const PaperFinding> paper_findings() {
   return all;
 }
 
+std::vector<PaperRanking> paper_rankings() {
+  std::vector<PaperRanking> rankings;
+  for (const ClaimedFinding& claim : claims()) {
+    if (claim.claim != Claim::kOrder) continue;
+    rankings.push_back({claim.outcome, claim.term, claim.ascending, claim.statement});
+  }
+  return rankings;
+}
+
 std::vector<FindingResult> judge_findings(const TrialTable& table,
                                           const std::optional<PaperAnalysis>& paper,
                                           const std::vector<PrimaryAnalysis>& primary,

@@ -52,6 +52,16 @@ struct PaperFinding {
   std::string printed;    // "F(2, 648) = 12.141; H 25, UaH 27.5, NoH 29 s"
 };
 
+// The findings that state an order of means: these levels of Haptic or Rotation, by ascending mean.
+// That of the contact angle is about UaH alone; the others are about all conditions.
+struct PaperRanking {
+  Outcome outcome;
+  FactorSet term;  // Haptic or Rotation
+  std::vector<std::string_view> ascending;
+  std::string_view statement;
+};
+std::vector<PaperRanking> paper_rankings();
+
 // Whether trials agree with a finding. If the paper found an effect, trials agree if the effect is
 // significant at 5 % and the means have the paper's order. If the paper found no effect, trials
 // agree if the effect is not significant. The primary analysis decides. It has no MANOVA; for the

@@ -39,6 +39,26 @@ std::string path_between(const fs::path& from, const fs::path& to) {
   return fs::absolute(to, failed).lexically_normal().generic_string();
 }
 
+// The text of a shipped file, in which the names of the objects' files begin with this folder.
+std::string with_folder(std::string text, const std::string& objects_folder) {
+  if (objects_folder.empty()) return text;
+  for (const char* const name : kObjectFiles) {
+    const std::string plain = nlohmann::json(name).dump();
+    const std::string full = nlohmann::json((fs::path(objects_folder) / name).generic_string())
+                                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    const std::size_t at = text.find(plain);
+    if (at != std::string::npos) text.replace(at, plain.size(), full);
+  }
+  return text;
+}
+
+// The path from a folder to the models.
+Result<std::string> models_from(const std::string& folder) {
+  const auto models = models_folder();
+  if (!models) return models.error();
+  return path_between(folder.empty() ? "." : folder, *models);
+}
+
 }  // namespace
 
 Result<std::string> models_folder() {
@@ -60,22 +80,23 @@ Result<std::string> models_folder() {
 }
 
 std::string paper_plan_text(const std::string& objects_folder) {
-  std::string text(shipped_paper());
-  if (objects_folder.empty()) return text;
-  for (const char* const name : kObjectFiles) {
-    const std::string plain = nlohmann::json(name).dump();
-    const std::string full = nlohmann::json((fs::path(objects_folder) / name).generic_string())
-                                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    const std::size_t at = text.find(plain);
-    text.replace(at, plain.size(), full);
-  }
-  return text;
+  return with_folder(std::string(shipped_paper()), objects_folder);
+}
+
+std::string shipped_sweep_text(const std::string& objects_folder) {
+  return with_folder(std::string(shipped_sweep()), objects_folder);
 }
 
 Result<std::string> paper_plan_for(const std::string& folder) {
-  const auto models = models_folder();
+  const auto models = models_from(folder);
   if (!models) return models.error();
-  return paper_plan_text(path_between(folder.empty() ? "." : folder, *models));
+  return paper_plan_text(*models);
+}
+
+Result<std::string> shipped_sweep_for(const std::string& folder) {
+  const auto models = models_from(folder);
+  if (!models) return models.error();
+  return shipped_sweep_text(*models);
 }
 
 }  // namespace palpate

@@ -16,7 +16,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kMostVersion = 1'000'000;
-constexpr int kMostUnits = kMostParticipants;
+constexpr int kMostUnits = 10'000;  // kMostParticipants, kMostSweepPoints
 
 OrderedJson json_of(const RunIdentity& identity) {
   OrderedJson scenes = OrderedJson::object();

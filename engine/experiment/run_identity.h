@@ -21,14 +21,16 @@ namespace palpate {
 struct CanonicalPlan;
 
 // What is run (dealt_run.h), and what its units are.
-enum class RunKind : std::uint8_t { kExperiment, kCanonical };
+enum class RunKind : std::uint8_t { kExperiment, kCanonical, kSweep };
 struct RunKindWords {
   std::string_view name;  // in run.json; empty: the entry is absent
   std::string_view noun;  // of a unit
   const char* nouns;      // the entry of their count in run.json
 };
-inline constexpr std::array<RunKindWords, 2> kRunKinds = {
-    {{"", "participant", "participants"}, {"canonical", "participant", "participants"}}};
+inline constexpr std::array<RunKindWords, 3> kRunKinds = {
+    {{"", "participant", "participants"},
+     {"canonical", "participant", "participants"},
+     {"sweep", "point", "points"}}};
 constexpr const RunKindWords& words_of(RunKind kind) {
   return kRunKinds[static_cast<std::size_t>(kind)];
 }

@@ -10,5 +10,6 @@ std::string_view shipped_literature();  // literature.json
 std::string_view shipped_people2005();  // people2005.json
 std::string_view shipped_canonical();   // canonical.json
 std::string_view shipped_paper();       // paper.json: its objects are file names without a folder
+std::string_view shipped_sweep();       // sweep.json: as well
 
 }  // namespace palpate

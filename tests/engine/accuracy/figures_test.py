@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The figures a4.svg and groove.svg show what their data say.
+"""The figures a4.svg, groove.svg and a4_helps.svg show what their data say.
 
 figures_test.py BENCHMARKS_DIR
 """
@@ -18,6 +18,7 @@ BENCHMARKS = pathlib.Path(sys.argv[1])
 sys.path.insert(0, str(BENCHMARKS))
 import a4_figure  # noqa: E402
 import groove_figure  # noqa: E402
+import sweep_figure  # noqa: E402
 
 
 def expect(condition, statement):
@@ -113,8 +114,43 @@ def check_groove():
     expect(committed.read_text(encoding="utf-8") == groove_figure.draw(), "groove.svg is up to date")
 
 
+def check_sweep():
+    """The two points of each assumption and measure lie at their shares of the panel."""
+    folder = BENCHMARKS / "results/sweep"
+    data = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
+    picture = sweep_figure.draw(data)
+    expect((folder / "a4_helps.svg").read_text(encoding="utf-8") == picture, "a4_helps.svg is up to date")
+    circles = [(float(x), float(y)) for x, y in
+               re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="5"', picture)]
+    columns = len(sweep_figure.MEASURES)
+    panel = ((sweep_figure.WIDTH - 2 * sweep_figure.MARGIN - sweep_figure.NAMES -
+              (columns - 1) * sweep_figure.GAP) / columns)
+    expected = []
+    for n, (_, ranking) in enumerate(sweep_figure.MEASURES):
+        left = sweep_figure.MARGIN + sweep_figure.NAMES + n * (panel + sweep_figure.GAP)
+        for row in data["halves"]:
+            if row["ranking"] == ranking:
+                expected += [left + row[half + "_holds"] / row[half + "_points"] * panel
+                             for half in ("low", "high")]
+    expect(len(expected) == 2 * columns * len(sweep_figure.ASSUMPTIONS), "all assumptions are drawn")
+    expect(all(abs(x - share) < 0.06 for (x, _), share in zip(circles, expected)),
+           "each point is at its share, to the digit that is written")
+    for ranking in {name for _, name in sweep_figure.MEASURES}:
+        of = [row for row in data["halves"] if row["ranking"] == ranking]
+        differences = {row["parameter"]: abs(row["high_share"] - row["low_share"]) for row in of}
+        decides = next(row for row in data["rankings"] if row["ranking"] == ranking)
+        most = max(differences.values())
+        expect((decides["decisive_parameters"] or "").split() ==
+               [name for name, difference in differences.items() if difference == most > 0.0],
+               f"what decides {ranking} differs most")
+    changed = copy.deepcopy(data)
+    changed["halves"][-1]["low_share"] = 0.123
+    expect(sweep_figure.draw(changed) != picture, "another share gives another picture")
+
+
 def main():
     check_a4()
+    check_sweep()
     check_choice_of_instants()
     check_groove()
     print("the figures show their data")

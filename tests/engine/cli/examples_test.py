@@ -8,8 +8,8 @@ also of subcommands of subcommands, and the lines in fenced blocks of README.md 
 begin with `./run.sh` or `palpate`. Runs each one by bash in a temporary copy of the project's folder,
 whose run.sh starts the built program instead of installing and building. Expects exit code 0, or 3 from
 a line whose comment names exit code 3. The lines of one help or document run in one folder, in order: a
-later line may read the files of an earlier one. The plan of an experiment that a line has written is
-made smaller before the next line.
+later line may read the files of an earlier one. The plan of an experiment or the sweep that a line has
+written is made smaller before the next line.
 """
 
 import json
@@ -103,14 +103,20 @@ def copy_project(palpate, project, folder):
 
 
 def shrink_plans(folder):
-    """Two participants, one block and one following: the plan that ships takes minutes."""
+    """Two participants, one block and one following: the plan and the sweep that ship take minutes."""
     for path in folder.glob("*.json"):
         if path.is_symlink():
             continue
         plan = json.loads(path.read_text())
         if "palpate_plan" in plan:
             plan.update(participants=2, blocks=1, practice_blocks=0, followings=["delayed"])
-            path.write_text(json.dumps(plan))
+        elif "palpate_sweep" in plan:
+            plan["plan"].update(participants=2, objects={"O1": plan["plan"]["objects"]["O1"]})
+            plan["parameters"] = {"align": plan["parameters"]["align"]}
+            plan["hypercube"].update(points=2, participants=1)
+        else:
+            continue
+        path.write_text(json.dumps(plan))
 
 
 def run_lines(palpate, project, source, lines):
@@ -141,7 +147,7 @@ def main():
     palpate, project = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
     commands = all_commands(palpate)
     if not {"run", "replay", "info", "accuracy", "experiment", "experiment plan", "experiment run",
-            "experiment merge"} <= {" ".join(command) for command in commands}:
+            "experiment merge", "experiment sweep"} <= {" ".join(command) for command in commands}:
         sys.exit(f"subcommands in the help: {commands}")
     sources = []
     for command in commands:

@@ -32,6 +32,7 @@
 #include "engine/experiment/unit_part.h"
 #include "geometry/base/random.h"
 #include "tests/engine/experiment/stand_in_trial.h"
+#include "tests/helpers/child_process.h"
 #include "tests/helpers/deadly_rename.h"
 #include "tests/helpers/gltf_builder.h"
 
@@ -40,6 +41,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::microseconds;
+using test::run_in_child;
 using test::stand_in_trials;
 using test::TemporaryFolder;
 
@@ -114,41 +116,6 @@ const std::string& reference() {
     return results_in(folder.path());
   }();
   return results;
-}
-
-// Waits for a child process. True if it ended by itself, false if it was killed.
-bool has_ended(pid_t child) {
-  int status = 0;
-  EXPECT_EQ(::waitpid(child, &status, 0), child);
-  if (WIFEXITED(status)) {
-    EXPECT_EQ(WEXITSTATUS(status), 0);
-    return true;
-  }
-  EXPECT_EQ(WTERMSIG(status), SIGKILL);
-  return false;
-}
-
-// Runs in a child process, which kills itself in some cases. True if it ended.
-template <typename Work>
-bool run_in_child(const Work& work) {
-  const pid_t child = ::fork();
-  if (child == 0) ::_exit(work() ? 0 : 1);
-  return has_ended(child);
-}
-
-// Runs in a child process, which is killed after `life` unless it has ended. True if it ended.
-template <typename Work>
-bool run_in_child(microseconds life, const Work& work) {
-  const pid_t child = ::fork();
-  if (child == 0) ::_exit(work() ? 0 : 1);
-  const auto end = std::chrono::steady_clock::now() + life;
-  siginfo_t ended{};
-  while (std::chrono::steady_clock::now() < end && ended.si_pid == 0) {
-    ::usleep(100);
-    ::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
-  }
-  ::kill(child, SIGKILL);
-  return has_ended(child);
 }
 
 // Trials of which the last one kills the process. trials: how many begin, at least 1. Other threads

@@ -1,0 +1,93 @@
+#pragma once
+
+// What a sweep shows: the measures along one parameter, where rankings flip, and at which share of
+// the hypercube they hold.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/experiment/intervals.h"
+#include "engine/experiment/sweep_rankings.h"
+#include "engine/experiment/sweep_rows.h"
+
+namespace palpate {
+
+// A point and its rankings, in the order of sweep_rankings(). The rows are those of the analysis.
+struct SweepPointResult {
+  std::span<const SweepRow> rows;
+  std::vector<RankingAtPoint> rankings;
+};
+
+// The mean of a measure over participants in one condition, and its standard deviation over them
+// (n - 1; no value below two participants).
+struct SweepMean {
+  int participants = 0;
+  std::optional<double> mean, sd;
+};
+SweepMean sweep_mean(const SweepPointResult& point, std::size_t outcome, std::size_t haptic,
+                     std::size_t rotation);
+
+// One parameter alone: its points by ascending value, those of its levels and the base plan's. The
+// base plan is left out if its participants have different values.
+struct SweepAxis {
+  std::size_t parameter = 0;
+  std::vector<std::size_t> points;  // indices of SweepAnalysis::points
+};
+
+// Between two neighbouring levels of a parameter, a ranking begins to hold or ceases to.
+struct SweepFlip {
+  std::size_t parameter = 0, ranking = 0;
+  double from = 0.0, to = 0.0;  // the levels; from < to
+  bool holds_at_to = false;
+  bool is_clear = false;  // RankingAtPoint::is_clear of both levels
+};
+
+// At how many points a ranking holds among those at which it can be tested.
+struct RankingShare {
+  int holds = 0, points = 0;
+
+  std::optional<double> share() const;  // no value without points
+  Interval interval() const { return wilson_interval(holds, points); }
+};
+
+// The share in the halves of the hypercube by one parameter: the points with the first half of the
+// values that occur, in ascending order, and those with the last half. The middle of an odd number
+// of values belongs to neither half.
+struct RankingHalves {
+  std::size_t parameter = 0;
+  RankingShare low, high;
+
+  std::optional<double> difference() const;  // high - low
+};
+
+// A ranking over the hypercube.
+struct RankingResult {
+  RankingShare all;
+  std::vector<RankingHalves> halves;  // of each parameter of the sweep
+  // The indices in `halves` of the largest |difference|, several if they are equal; empty if no
+  // difference is above 0.
+  std::vector<std::size_t> decisive;
+};
+
+// Movable; a copy would look into the rows of the original.
+struct SweepAnalysis {
+  SweepAnalysis() = default;
+  SweepAnalysis(SweepAnalysis&&) = default;
+  SweepAnalysis& operator=(SweepAnalysis&&) = default;
+
+  std::vector<SweepRow> rows;
+  std::vector<SweepPointResult> points;  // in the order of their numbers
+  std::vector<std::size_t> parameters;   // that the sweep varies, in the order of the table
+  std::vector<SweepAxis> axes;           // one for each of them
+  std::vector<SweepFlip> flips;          // by parameter, ranking and level
+  std::vector<RankingResult> rankings;   // in the order of sweep_rankings()
+
+  int point_count(SweepBlock block) const;
+};
+
+// rows: by point, as in sweep.csv.
+SweepAnalysis analyse_sweep(std::vector<SweepRow> rows);
+
+}  // namespace palpate

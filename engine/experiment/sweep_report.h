@@ -1,0 +1,26 @@
+#pragma once
+
+// The report of a sweep: one page for readers, tables for programs, and lines for the terminal.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/experiment/run_identity.h"
+#include "engine/experiment/sweep_analysis.h"
+
+namespace palpate {
+
+// The names of all results of a sweep; the last one is that of the identity.
+std::vector<std::string> sweep_result_names();
+
+// Names and texts of report.html, sweep.json and a CSV file for each table of sweep_tables.h.
+// Appends to `warnings` if figures could not be drawn.
+std::vector<std::pair<std::string, std::string>> sweep_report(const SweepAnalysis& analysis,
+                                                              const RunIdentity& identity,
+                                                              std::vector<std::string>& warnings);
+
+// A few lines for a terminal: the share of each ranking, and the parameter that decides most.
+std::string sweep_text(const SweepAnalysis& analysis);
+
+}  // namespace palpate
