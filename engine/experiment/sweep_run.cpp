@@ -57,7 +57,8 @@ Result<std::optional<UnitRun>> run_point(const Sweep& sweep, int number, const S
   if (!rows) return rows.error();
   CsvLines lines("");
   lines.clear();
-  for (const SweepRow& row : sweep_rows(number, point, *rows)) add_sweep_row(lines, row);
+  for (const SweepRow& row : sweep_rows(number, point, *rows, plan.trial.limit_s))
+    add_sweep_row(lines, row);
   run.rows = lines.text();
   return std::optional<UnitRun>(std::move(run));
 }
@@ -81,6 +82,19 @@ DealtRun dealt_sweep(const Sweep& sweep, const std::vector<SweepPoint>& points,
     return run_point(sweep, number, point_of(number), scenes, functions, after_trial);
   };
   return run;
+}
+
+// An error if a result would replace the file of the sweep.
+std::optional<Error> check_input_is_kept(const Sweep& sweep, const std::string& out_folder) {
+  for (const std::string& name : sweep_result_names()) {
+    std::error_code failed;
+    const fs::path result = fs::path(out_folder) / name;
+    if (!fs::equivalent(result, sweep.path, failed)) continue;
+    return Error{ErrorCode::kFileUnwritable, sweep.path, "",
+                 "is the sweep, but the result " + name + " would replace it",
+                 "rename it, or choose another folder"};
+  }
+  return std::nullopt;
 }
 
 MergedSweep counts_of(const SweepAnalysis& analysis) {
@@ -109,6 +123,7 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
                                const TrialFunctions& functions,
                                const std::function<void(const RunProgress&)>& progress,
                                const StopFlag* stop) {
+  if (auto error = check_input_is_kept(sweep, settings.out_folder)) return *error;
   const std::vector<SweepPoint> points = sweep_points(sweep);
   const auto scenes = load_sweep_scenes(sweep, points, functions);
   if (!scenes) return scenes.error();
@@ -133,6 +148,10 @@ Result<MergedSweep> merge_sweep(const std::vector<std::string>& folders,
   const SweepAnalysis analysis = analyse_sweep(std::move(*rows));
   MergedSweep merged = counts_of(analysis);
   merged.text = sweep_text(analysis);
+  if (merged.done == 0) {
+    merged.warnings.emplace_back(
+        "no trial ended at the red sphere, so that no ranking is testable");
+  }
   std::vector<std::pair<std::string, std::string>> texts{{kSweepFile, text}};
   for (auto& file : sweep_report(analysis, joined->identity, merged.warnings)) {
     texts.push_back(std::move(file));

@@ -22,7 +22,7 @@ struct MergedSweep {
   int points = 0;
   std::uint64_t trials = 0, done = 0, timeouts = 0, faults = 0;
   std::string text;                   // for a terminal: what the sweep found
-  std::vector<std::string> warnings;  // of the figures
+  std::vector<std::string> warnings;  // a figure is missing; no trial was done
 };
 
 // The units are points.
@@ -32,8 +32,8 @@ struct SweepOutcome : DealtOutcome {
 
 // Runs the points of the shard as run_dealt() does, with run_participant() for each participant of
 // a point. Without a shard, merge_sweep() follows when all parts exist. The bytes of all results
-// depend only on the sweep and its files. Errors: those of load_sweep_scenes(), run_participant(),
-// run_dealt() and merge_sweep().
+// depend only on the sweep and its files. Errors: a result would replace the file of the sweep;
+// those of load_sweep_scenes(), run_participant(), run_dealt() and merge_sweep().
 Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings,
                                const TrialFunctions& functions,
                                const std::function<void(const RunProgress&)>& progress = {},

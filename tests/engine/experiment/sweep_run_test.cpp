@@ -14,6 +14,7 @@
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -290,6 +291,7 @@ TEST(SweepRun, TheBasePointHasTheMeansOfAnExperimentWithTheBasePlan) {
     EXPECT_EQ(row.done, done);
     EXPECT_EQ(row.timeouts, timeouts);
     EXPECT_EQ(row.faults, all - done - timeouts);
+    EXPECT_EQ(row.limit_s, 120.0);
     for (std::size_t i = 0; i < 4; ++i) {
       ASSERT_EQ(row.means[i].has_value(), counts[i] > 0);
       if (counts[i] > 0) EXPECT_EQ(*row.means[i], sums[i] / counts[i]);
@@ -441,6 +443,55 @@ TEST(SweepRun, AnotherSweepOrAnExperimentInTheFolderIsReplaced) {
   EXPECT_EQ(sweep_into(folder.path()).computed.size(), static_cast<std::size_t>(kPoints));
   EXPECT_TRUE(units_with_parts(folder.path(), "participant").empty());
   EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
+}
+
+TEST(SweepRun, NoResultReplacesTheFileOfTheSweep) {
+  for (const std::string& name : sweep_result_names()) {
+    const TemporaryFolder folder;
+    folder.write(name, quick_sweep_json().dump());
+    Sweep sweep = quick_sweep();
+    sweep.path = folder.path("./" + name);
+    TrialFunctions functions = sweep_stand_in();
+    int trials = 0;
+    functions.run = [&, run = functions.run](auto&&... arguments) {
+      ++trials;
+      return run(arguments...);
+    };
+    const auto outcome = run_sweep(sweep, {folder.path(), {}, 1}, functions);
+    ASSERT_FALSE(outcome.ok()) << name;
+    EXPECT_EQ(outcome.error().path, sweep.path);
+    EXPECT_NE(outcome.error().problem.find(name), std::string::npos) << outcome.error().problem;
+    EXPECT_EQ(trials, 0);
+    EXPECT_EQ(text_in(folder.path(name)), quick_sweep_json().dump());
+  }
+  // Another name is no result: the sweep stays beside its results.
+  const TemporaryFolder folder;
+  folder.write("sweep.json", quick_sweep_json().dump());
+  Sweep sweep = quick_sweep();
+  sweep.path = folder.path("sweep.json");
+  sweep_into(folder.path(), {}, 1, sweep);
+  EXPECT_EQ(text_in(folder.path("sweep.json")), quick_sweep_json().dump());
+}
+
+TEST(SweepRun, WarnsIfNoTrialWasDone) {
+  TrialFunctions functions = sweep_stand_in();
+  functions.run = [run = functions.run](auto&&... arguments) {
+    auto outcome = run(arguments...);
+    outcome->status = TrialStatus::kTimeout;
+    return outcome;
+  };
+  const TemporaryFolder folder;
+  const auto outcome = run_sweep(quick_sweep(), {folder.path(), {}, 1}, functions);
+  ASSERT_TRUE(outcome.ok() && outcome->merged);
+  ASSERT_EQ(outcome->merged->warnings.size(), 1u);
+  EXPECT_NE(outcome->merged->warnings[0].find("no trial ended"), std::string::npos);
+  std::istringstream lines(text_in(folder.path("rankings.csv")));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_NE(line.find(",points,untestable,holds,share,low,high,"), std::string::npos) << line;
+  while (std::getline(lines, line)) {
+    EXPECT_NE(line.find(",0,6,0,,,,,"), std::string::npos) << line;
+  }
 }
 
 TEST(SweepRun, AnotherLevelOperatorOrSceneMakesAnotherRun) {
