@@ -55,8 +55,10 @@ std::string percent(double share) {
   if (rounded == 0 && share > 0.0) return "< 1 %";
   return std::to_string(rounded) + " %";
 }
-std::string percent(const std::optional<double>& share) {
-  return share ? percent(*share) : "-";
+// "71 % of 50"
+std::string part_text(const RankingShare& share) {
+  if (!share.share()) return "not testable";
+  return percent(*share.share()) + " of " + std::to_string(share.points);
 }
 
 std::string paragraph(const std::string& text) {
@@ -84,11 +86,11 @@ std::string symbol_text(std::size_t parameter) {
                            : std::string(of.name) + " (" + std::string(of.symbol) + ")";
 }
 
-// "low half 80 %, high half 40 %"; "delayed 20 %, frozen 90 %"
+// "low half 80 % of 50, high half 40 % of 48"; "delayed 20 % of 25, frozen not testable"
 std::string parts_text(const RankingHalves& halves) {
   std::string text;
   for (const RankingHalves::Part& part : halves.parts) {
-    text += (text.empty() ? "" : ", ") + part.name + " " + percent(part.share.share());
+    text += (text.empty() ? "" : ", ") + part.name + " " + part_text(part.share);
   }
   return text.empty() ? "-" : text;
 }
@@ -100,8 +102,8 @@ std::string chance_text(double p) {
   return text.str();
 }
 
-// "sight_delay_s (tau): low half 80 %, high half 40 % (p = 0.0005)"; several parameters if their
-// parts differ equally.
+// "sight_delay_s (tau): low half 80 % of 50, high half 40 % of 48 (p = 0.0005)"; several parameters
+// if their parts differ equally.
 std::string decisive_text(const RankingResult& result) {
   if (!result.p) return "none";
   std::string text;
@@ -256,7 +258,8 @@ std::string halves_html(const SweepAnalysis& analysis) {
   return "<section id=\"halves\">\n<h2>The halves of the hypercube</h2>\n" +
          paragraph(
              "The share of testable points at which a ranking holds, in the low and in the high "
-             "half of each parameter, or at each of its words. Bold: the parameter whose parts "
+             "half of each parameter, or at each of its words, and their number of points. Bold: "
+             "the parameter whose parts "
              "differ most, if p of this largest difference is below 0.05.") +
          "<div class=\"parts\">\n" + tables + "</div>\n</section>\n";
 }
