@@ -72,7 +72,7 @@ std::string merged_text(const MergedCanonical& merged, const std::string& folder
   text << merged.trials << " trials of " << merged.participants
        << (merged.participants == 1 ? " participant" : " participants") << " at the canonical wall";
   if (merged.without_result > 0) text << ", " << merged.without_result << " without a result";
-  text << "\ncanonical.csv, columns.csv, report.html and run.json are in " << folder << "/\n";
+  text << "\ncanonical.csv, columns.csv, canonical.html and run.json are in " << folder << "/\n";
   return text.str();
 }
 
@@ -182,9 +182,10 @@ void add_run(CLI::App& experiment, ExperimentRunRequest& request) {
            "A participant's trials appear in DIR/parts together. If the command is interrupted or "
            "killed, the\nsame command computes the missing participants only. trials.csv, "
            "columns.csv and run.json appear\nwhen all participants are complete; run.log has the "
-           "times of computing.\nResults of another plan in DIR are replaced.\n\n"
+           "times of computing.\nResults of another plan in DIR stay until the new results "
+           "replace them; a shard replaces the\nparts and the traces of another plan only.\n\n"
            "A plan with \"protocol\": \"canonical\" has a wall in place of objects: "
-           "canonical.csv and report.html\nappear in place of trials.csv.\n");
+           "canonical.csv and canonical.html\nappear in place of trials.csv.\n");
   app.add_option("PLAN", request.plan,
                  "plan, a JSON file; `paper` and `canonical` are the plans that ship")
       ->required();
@@ -314,9 +315,11 @@ int analyse(const ExperimentAnalyseRequest& request) {
   if (!rows) {
     Error error = rows.error();
     std::error_code failed;
-    if (fs::is_directory(request.source.file, failed)) {
-      error.hint = "name the file of trials in it, such as " +
-                   (fs::path(request.source.file) / "trials.csv").string();
+    const fs::path folder = request.source.file;
+    if (fs::is_directory(folder, failed)) {
+      error.hint = canonical_results_in(folder.string()).empty()
+                       ? "name the file of trials in it, such as " + (folder / kTrialsFile).string()
+                       : (folder / kCanonicalPage).string() + " has the analysis of this run";
     }
     return refuse(error);
   }
@@ -365,13 +368,16 @@ class ExperimentCommand final : public Command {
  public:
   CLI::App* add_to(CLI::App& program) override {
     app_ = program.add_subcommand(
-        "experiment", "run the paper's experiment with simulated operators, and analyse trials");
+        "experiment",
+        "run the paper's experiment, or a wall, with simulated operators, and analyse trials");
     app_->require_subcommand(1);
     set_help(*app_, "  ./run.sh experiment plan paper --out plan.json\n",
              "Edit the plan, run it, and compare the trials with the paper's results:\n"
              "  ./run.sh experiment run plan.json --out experiment\n"
              "  ./run.sh experiment analyse experiment/trials.csv\n"
              "The plan of the paper takes about five minutes on two cores.\n\n"
+             "A wall at angles to the only motor, pressed and stroked:\n"
+             "  ./run.sh experiment run canonical --out wall\n\n"
              "./run.sh experiment COMMAND --help lists the options of a command.\n");
     add_plan(*app_, plan_);
     add_run(*app_, run_);

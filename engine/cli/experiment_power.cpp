@@ -8,6 +8,7 @@
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/experiment/canonical_rows.h"
 #include "engine/experiment/experiment_run.h"
 #include "engine/experiment/power_report.h"
 #include "engine/experiment/power_text.h"
@@ -79,6 +80,7 @@ int run_power(const ExperimentPowerRequest& request) {
   PowerRequest power = request.power;
   const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
   power.settings.jobs = request.jobs.value_or(cores);
+  if (const auto error = check_not_canonical(power.pilot)) return refuse(*error);
   auto study = prepare_power(power);
   if (!study) return refuse(study.error());
   if (const auto error = check_output()) return refuse(*error);

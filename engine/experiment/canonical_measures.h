@@ -13,13 +13,16 @@ namespace palpate {
 // frame. Runs on the haptic thread and does not allocate there.
 class CanonicalMeasures final : public TickObserver {
  public:
+  // proxy_radius_m: 0 for a point. The contact normal of a sphere is less accurate.
+  explicit CanonicalMeasures(double proxy_radius_m);
+
   void on_tick(const TickRecord& record) noexcept override;
 
-  // Mean |(I - N N^T) f| over mean f.N. No value if the latter is 0 (to rounding) or if there was
-  // no contact.
+  // Mean |(I - N N^T) f| over mean f.N. No value if the latter is 0 (to the accuracy of N) or if
+  // there was no contact.
   std::optional<double> along_over_into() const;
-  // The share of the ticks in contact whose contact angle is at most 30 deg (to rounding), the
-  // limit of Barbagli and Salisbury. No value without contact.
+  // The share of the ticks in contact whose contact angle is at most 30 deg (to the accuracy
+  // of N), the limit of Barbagli and Salisbury. No value without contact.
   std::optional<double> share_within_30deg() const;
 
   // Whether a fault left a tick without a sample, or the proxy went beyond an end of the wall
@@ -28,6 +31,7 @@ class CanonicalMeasures final : public TickObserver {
   std::int64_t loop_ns() const { return loop_ns_; }  // computing time of the loop; measured
 
  private:
+  double normal_error_rad_;  // of N
   bool is_spoilt_ = false;
   std::uint64_t contact_ticks_ = 0;
   std::uint64_t within_30deg_ = 0;

@@ -1,9 +1,11 @@
 #include "engine/experiment/canonical_plan.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
+#include <limits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -16,6 +18,7 @@
 #include "engine/experiment/plan_device.h"
 #include "engine/experiment/plan_operator.h"
 #include "engine/experiment/shipped_files.h"
+#include "engine/experiment/statistics_text.h"
 #include "engine/experiment/strict_json.h"
 
 namespace palpate {
@@ -32,6 +35,19 @@ constexpr double kMostCanonicalTicks = 4e6;
 
 Error canonical_error(std::string element, std::string problem, std::string hint = {}) {
   return {ErrorCode::kInvalidContent, "", std::move(element), std::move(problem), std::move(hint)};
+}
+
+// Rounded to 15 decimal digits, which a double always keeps. A limit that is computed from decimal
+// numbers is then the decimal number that the error prints, and a plan may have this number.
+double in_decimals(double value) {
+  std::array<char, 32> text;
+  const char* const end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general,
+                    std::numeric_limits<double>::digits10)
+          .ptr;
+  double rounded = value;
+  std::from_chars(text.data(), end, rounded);
+  return rounded;
 }
 
 const ParameterRange& range_of_person(const OperatorFile& person,
@@ -64,11 +80,19 @@ void read_canonical_device(ObjectReader& reader, RunSettings& settings) {
 
 void read_canonical_display(ObjectReader& reader, CanonicalPlan& plan) {
   reader.number("display_Hz", plan.display_Hz, kCanonicalDisplay_Hz);
-  if (!reader.ok() || plan.display_Hz <= plan.device.rate_Hz) return;
-  std::ostringstream text;
-  text << "is " << plan.display_Hz << "; expected at most the rate of the device, "
-       << plan.device.rate_Hz << " Hz";
-  reader.fail(canonical_error(reader.element_of("display_Hz"), text.str()));
+  if (!reader.ok()) return;
+  const double least_Hz = in_decimals(1.0 / (kPress_s + kHold_s));
+  std::string expected;
+  if (plan.display_Hz > plan.device.rate_Hz) {
+    expected = "at most the rate of the device, " + as_printed(plan.device.rate_Hz) + " Hz";
+  } else if (plan.display_Hz < least_Hz) {
+    expected = "at least " + as_printed(least_Hz) + " Hz, one picture within " +
+               as_printed(kPress_s + kHold_s) + " s of pressing";
+  } else {
+    return;
+  }
+  reader.fail(canonical_error(reader.element_of("display_Hz"),
+                              "is " + as_printed(plan.display_Hz) + "; expected " + expected));
 }
 
 void read_angles(ObjectReader& reader, std::vector<double>& angles_deg) {
@@ -110,14 +134,14 @@ void check_canonical_workspace(ObjectReader& reader, const CanonicalPlan& plan) 
   const double outside_m =
       plan.device.radius_m +
       kComesFrom * range_of_person(plan.person, &OperatorParameters::press_depth_m).high;
-  const double least_m = 2.0 * (kStroke_m + outside_m);
+  const double least_m = in_decimals(2.0 * (kStroke_m + outside_m));
   const double extent_m = workspace_extent_m(plan.device.device);
   if (extent_m >= least_m) return;
-  std::ostringstream text;
-  text << "is " << extent_m << " m; expected at least " << least_m << " m: " << kStroke_m
-       << " m of the stroke and " << outside_m
-       << " m, from where the hand comes, on each side of the origin";
-  reader.fail(canonical_error("/device/workspace_m", text.str(),
+  reader.fail(canonical_error("/device/workspace_m",
+                              "is " + as_printed(extent_m) + " m; expected at least " +
+                                  as_printed(least_m) + " m: " + as_printed(kStroke_m) +
+                                  " m of the stroke and " + as_printed(in_decimals(outside_m)) +
+                                  " m, from where the hand comes, on each side of the origin",
                               "enlarge the workspace, or reduce press_depth_m of the operator"));
 }
 
@@ -128,14 +152,18 @@ void check_canonical_ticks(ObjectReader& reader, const CanonicalPlan& plan) {
   slowest.speed_m_per_s = range_of_person(plan.person, &OperatorParameters::speed_m_per_s).low;
   const double most_s = range_of_person(plan.person, &OperatorParameters::sight_delay_s).high +
                         canonical_duration_s(slowest, CanonicalMotion::kStroked);
-  const double ticks = most_s * plan.device.rate_Hz;
-  if (ticks <= kMostCanonicalTicks) return;  // false for infinity
-  std::ostringstream text;
-  text << "strokes along the wall at " << slowest.speed_m_per_s << " m/s, which takes " << ticks
-       << " ticks at the rate of the device, " << plan.device.rate_Hz << " Hz; expected at most "
-       << kMostCanonicalTicks << " ticks";
-  reader.fail(canonical_error(reader.element_of("operator"), text.str(),
-                              "raise the low end of speed_m_per_s, or reduce /device/rate_Hz"));
+  const double ticks = in_decimals(most_s * plan.device.rate_Hz);
+  if (ticks <= kMostCanonicalTicks) return;
+  const bool ends = std::isfinite(ticks);
+  const std::string takes = ends ? "takes " + as_printed(ticks) + " ticks at the rate of the " +
+                                       "device, " + as_printed(plan.device.rate_Hz) + " Hz"
+                                 : std::string("never ends");
+  const std::string hint = "raise the low end of speed_m_per_s";
+  reader.fail(canonical_error(reader.element_of("operator"),
+                              "strokes along the wall at " + as_printed(slowest.speed_m_per_s) +
+                                  " m/s, which " + takes + "; expected at most " +
+                                  as_printed(kMostCanonicalTicks) + " ticks",
+                              ends ? hint + ", or reduce /device/rate_Hz" : hint));
 }
 
 void check_canonical_count(ObjectReader& reader, const CanonicalPlan& plan) {

@@ -18,8 +18,8 @@ struct CanonicalFacts {
 };
 
 // An HTML5 document (UTF-8) that needs no other file, no network and no script: the figures over
-// the angle, the means as a table, and how to read them. Appends to `warnings` if figures could not
-// be drawn.
+// the angle, the means as tables, and how to read them. Appends to `warnings` if figures could not
+// be drawn, once for each reason.
 std::string canonical_report_html(const std::vector<CanonicalRow>& rows,
                                   const CanonicalFacts& facts, std::vector<std::string>& warnings);
 

@@ -28,8 +28,8 @@ constexpr std::array<CanonicalColumn, 6> kCanonicalColumns = {{
     {"rotation", "", "R with A4, NoR without"},
     {"along_over_into", "1",
      "mean part of the commanded force along the wall, divided by its mean part along the wall's "
-     "normal, over contact; empty if the latter is 0, or if a fault or an end of the wall ended "
-     "the trial"},
+     "normal, over contact; empty without contact, if the latter is 0, or if a fault or an end of "
+     "the wall ended the trial"},
     {"share_within_30deg", "1",
      "share of the contact with a contact angle of at most 30 deg; empty without contact, or if a "
      "fault or an end of the wall ended the trial"},
@@ -176,7 +176,7 @@ std::optional<Error> check_not_canonical(const std::string& path) {
   if (!text.starts_with(canonical_columns())) return std::nullopt;
   return Error{ErrorCode::kInvalidContent, path, "line 1",
                "has the columns of canonical.csv; expected those of trials.csv",
-               "report.html beside canonical.csv has its analysis"};
+               "canonical.html beside canonical.csv has its analysis"};
 }
 
 }  // namespace palpate

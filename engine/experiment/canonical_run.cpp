@@ -15,7 +15,9 @@
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/plan_device.h"
 #include "engine/experiment/run_identity.h"
+#include "engine/experiment/strict_json.h"
 #include "engine/experiment/trial.h"
+#include "engine/experiment/trials_file.h"
 
 namespace palpate {
 namespace {
@@ -98,6 +100,16 @@ std::string canonical_run_json(const RunIdentity& identity, const MergedCanonica
   return json.dump(2) + "\n";
 }
 
+// The results of an experiment in the folder that those of a canonical run do not overwrite. A
+// trials.csv without the run.json of an experiment was not written by this program.
+std::vector<std::string> experiment_results_in(const std::string& folder) {
+  const auto text = read_settings_text((std::filesystem::path(folder) / kRunFile).string());
+  if (!text) return {};
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  if (!json.is_object() || !json.contains("palpate_run") || json.contains("kind")) return {};
+  return {kTrialsFile};
+}
+
 }  // namespace
 
 Result<MergedCanonical> merge_canonical(const std::vector<std::string>& folders,
@@ -120,7 +132,7 @@ Result<MergedCanonical> merge_canonical(const std::vector<std::string>& folders,
                                   {kColumnsFile, canonical_columns_csv()},
                                   {kCanonicalPage, page},
                                   {kRunFile, canonical_run_json(identity, merged)}},
-                                 {kTrialsFile})) {
+                                 experiment_results_in(out_folder))) {
     return *error;
   }
   return merged;

@@ -17,7 +17,7 @@ namespace palpate {
 
 // The names of the results in the folder of a canonical run, besides kColumnsFile and kRunFile.
 inline constexpr const char* kCanonicalFile = "canonical.csv";
-inline constexpr const char* kCanonicalPage = "report.html";
+inline constexpr const char* kCanonicalPage = "canonical.html";
 
 struct MergedCanonical {
   int participants = 0;
@@ -26,10 +26,11 @@ struct MergedCanonical {
   std::vector<std::string> warnings;  // figures that could not be drawn
 };
 
-// Reads the parts in these folders, checks them, and writes canonical.csv, columns.csv, report.html
-// and run.json into out_folder, together or not at all. The rows are in the order of participants
-// and, for each participant, in the order of CanonicalPlan::cells(). out_folder may be one of these
-// folders. Results of an experiment in it are removed.
+// Reads the parts in these folders, checks them, and writes canonical.csv, columns.csv,
+// canonical.html and run.json into out_folder, together or not at all. The rows are in the order of
+// participants and, for each participant, in the order of CanonicalPlan::cells(). out_folder may be
+// one of these folders. Results of an experiment in it are removed: trials.csv, if the run.json
+// beside it is of an experiment.
 //
 // Errors, which name the file: those of join_parts(), and a result that cannot be written.
 Result<MergedCanonical> merge_canonical(const std::vector<std::string>& folders,

@@ -27,10 +27,11 @@ struct CanonicalOutcome {
   std::int64_t loop_ns = 0;  // computing time of the haptic loop in these ticks; measured
 };
 
-// Runs the trial in simulated time, from rest outside the wall to the end of the person's motion.
-// The same arguments give the same outcome to the bit, except loop_ns. wall: canonical_wall().
-// device: the setup of the device; canonical_setup() places the wall. Thread-safe: any number of
-// threads may run trials on one wall.
+// Runs the trial in simulated time, from rest outside the wall to the end of the person's motion,
+// or for as long as the motion takes if the person sees no picture. Requires canonical_duration_s()
+// to be finite. The same arguments give the same outcome to the bit, except loop_ns. wall:
+// canonical_wall(). device: the setup of the device; canonical_setup() places the wall.
+// Thread-safe: any number of threads may run trials on one wall.
 //
 // Errors: those of check_setup() and check_plant().
 Result<CanonicalOutcome> run_canonical_trial(const Scene& wall, const RunSetup& device,

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
+#include <filesystem>
 #include <map>
 #include <sys/file.h>
+#include <system_error>
 #include <unistd.h>
 
 #include "engine/experiment/csv_reader.h"
@@ -56,28 +58,36 @@ Result<RunIdentity> read_identity(const std::string& folder) {
                ""};
 }
 
+std::string kind_text(RunKind kind) {
+  if (kind == RunKind::kExperiment) return "an experiment";
+  if (kind == RunKind::kCanonical) return "a canonical wall";
+  return "a " + std::string(words_of(kind).name);
+}
+
+// expected: of the kind, with where it comes from.
+Error wrong_kind(const std::string& folder, RunKind kind, const std::string& expected,
+                 std::string hint) {
+  return merge_error(part_identity_path(folder), "/kind",
+                     "is of " + kind_text(kind) + "; expected " + expected, std::move(hint));
+}
+
 Result<RunIdentity> common_identity(const std::vector<std::string>& folders) {
   auto first = read_identity(folders.front());
   if (!first) return first;
   for (std::size_t i = 1; i < folders.size(); ++i) {
     const auto other = read_identity(folders[i]);
     if (!other) return other.error();
+    if (other->kind != first->kind) {
+      return wrong_kind(folders[i], other->kind,
+                        kind_text(first->kind) + ", as in " + part_identity_path(folders.front()),
+                        "merge the shards of one plan");
+    }
     if (auto error = find_difference(*other, *first, part_identity_path(folders.front()))) {
       error->path = part_identity_path(folders[i]);
       return *error;
     }
   }
   return first;
-}
-
-Error wrong_kind(const std::string& folder, const RunIdentity& identity, RunKind kind) {
-  const auto name = [](RunKind of) {
-    return of == RunKind::kExperiment ? std::string("an experiment")
-                                      : "the kind " + std::string(words_of(of).name);
-  };
-  return merge_error(part_identity_path(folder), "/kind",
-                     "is of " + name(identity.kind) + "; expected " + name(kind),
-                     "merge it with `experiment merge`");
 }
 
 // The first line and column at which two parts differ. Both have rows of these columns.
@@ -173,7 +183,10 @@ Result<JoinedParts> join_parts(const std::vector<std::string>& folders, RunKind 
                                const std::function<std::string(const RunIdentity&)>& columns_of) {
   auto identity = common_identity(folders);
   if (!identity) return identity.error();
-  if (identity->kind != kind) return wrong_kind(folders.front(), *identity, kind);
+  if (identity->kind != kind) {
+    return wrong_kind(folders.front(), identity->kind, kind_text(kind),
+                      "merge it with `experiment merge`");
+  }
   const DealtUnits units = identity->dealt_units(columns_of(*identity));
   std::map<int, FoundPart> parts;
   for (const std::string& folder : folders) {
@@ -188,7 +201,12 @@ Result<JoinedParts> join_parts(const std::vector<std::string>& folders, RunKind 
 std::optional<Error> write_results(const std::string& folder,
                                    const std::vector<std::pair<std::string, std::string>>& texts,
                                    const std::vector<std::string>& obsolete) {
-  std::vector<std::string> names = obsolete;
+  std::vector<std::string> names;
+  for (const std::string& name : obsolete) {
+    std::error_code failed;
+    const auto path = std::filesystem::path(folder) / name;
+    if (std::filesystem::is_regular_file(path, failed)) names.push_back(name);
+  }
   for (const auto& [name, text] : texts) names.push_back(name);
   auto files = OutputFiles::create(folder, names);
   if (!files) return files.error();

@@ -16,6 +16,7 @@
 #include "engine/experiment/run_identity.h"
 #include "engine/experiment/run_log.h"
 #include "engine/experiment/strict_json.h"
+#include "engine/experiment/traces_folder.h"
 #include "engine/report/whole_file.h"
 #include "geometry/base/parallel.h"
 
@@ -82,15 +83,15 @@ void remove_other_parts(const std::string& folder, std::string_view noun, const 
   }
 }
 
-// Creates out_folder/parts and states there which run the parts belong to. Files of another run
-// are removed.
+// Creates out_folder/parts and states there which run the parts belong to. Parts and traces of
+// another run are removed.
 std::optional<Error> prepare_folder(const std::string& folder, const DealtRun& run) {
   if (auto error = create_parts_folder(folder)) return error;
   const std::string path = part_identity_path(folder);
   const auto found = read_settings_text(path);
   if (found && *found == run.identity_json) return std::nullopt;
   if (found) {
-    if (run.remove_other_files) run.remove_other_files();
+    remove_traces(folder);
     for (const RunKindWords& words : kRunKinds) remove_other_parts(folder, words.noun, run.units);
   }
   auto file = WholeFile::create(path);

@@ -51,8 +51,6 @@ struct DealtRun {
   // Optional: whether a unit has all its other files, such as traces. A unit without them is
   // computed again.
   std::function<bool(int unit)> has_other_files = {};
-  // Optional: removes from the folder the other files of a run with another identity.
-  std::function<void()> remove_other_files = {};
 };
 
 struct DealtSettings {
@@ -70,8 +68,8 @@ struct DealtOutcome {
 
 // Computes the units for which the folder does not contain a part of this run yet. After the last
 // trial of a unit, its part is written, whole or not at all. A killed run can therefore be started
-// again. Parts of another run in the folder are replaced. The file run.log in the folder records
-// the times of day and the computing times.
+// again. Parts and traces of another run in the folder are removed. The file run.log in the folder
+// records the times of day and the computing times.
 //
 // progress: called on the calling thread. stop: may be null; if it is set, running units end after
 // their present trial and leave no part. Errors: those of DealtRun::compute, and errors of writing.

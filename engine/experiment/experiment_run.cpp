@@ -2,38 +2,19 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "engine/experiment/participant_run.h"
 #include "engine/experiment/run_identity.h"
+#include "engine/experiment/traces_folder.h"
 #include "engine/experiment/trials_file.h"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string traces_folder_of(const std::string& folder) {
-  return (fs::path(folder) / "traces").string();
-}
-
-// Removes the traces of another run, but no other files. A trace does not state its run, so that a
-// later run would take it for its own.
-void remove_traces(const std::string& folder) {
-  std::vector<fs::path> traces;
-  std::error_code failed;
-  for (const std::string_view following : kFollowingNames) {
-    const fs::path persons = fs::path(traces_folder_of(folder)) / following;
-    for (fs::recursive_directory_iterator file(persons, failed), end; !failed && file != end;
-         file.increment(failed)) {
-      if (is_trace_name(file->path().filename().string())) traces.push_back(file->path());
-    }
-  }
-  for (const fs::path& trace : traces) fs::remove(trace, failed);
-}
 
 bool has_traces(const ExperimentPlan& plan, const std::string& traces_folder, int participant) {
   const auto trials = planned_trials(plan, participant);
@@ -47,8 +28,8 @@ bool has_traces(const ExperimentPlan& plan, const std::string& traces_folder, in
 DealtRun dealt_experiment(const ExperimentPlan& plan, const std::vector<ExperimentScene>& scenes,
                           const TrialFunctions& functions, const ExperimentRunSettings& settings) {
   const RunIdentity identity = identity_of(plan, scenes);
-  const std::string folder = settings.out_folder;
-  const std::string traces = settings.writes_traces ? traces_folder_of(folder) : std::string();
+  const std::string traces =
+      settings.writes_traces ? traces_folder_of(settings.out_folder) : std::string();
   DealtRun run;
   run.units = identity.dealt_units(trials_columns(identity.columns()));
   run.identity_json = identity.json();
@@ -62,7 +43,6 @@ DealtRun dealt_experiment(const ExperimentPlan& plan, const std::vector<Experime
       return has_traces(plan, traces, participant);
     };
   }
-  run.remove_other_files = [folder] { remove_traces(folder); };
   return run;
 }
 

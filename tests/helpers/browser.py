@@ -62,18 +62,18 @@ def measured_in_frames(browser, page, folder, script):
     return json.loads(html.unescape(found.group(1)))
 
 
-def run_test(report, make, problems_of):
+def run_test(report, make, problems_of, name="report.html"):
     """The exit code of a test. report: a page, or None; make: a command, to which a folder is added, that
-    writes report.html there. problems_of(browser, page, folder): lines."""
+    writes the page of this name there. problems_of(browser, page, folder): lines."""
     browser = find_browser()
     if browser is None:
         print("skipped: no Chromium is installed")
         return SKIPPED
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
+    with tempfile.TemporaryDirectory() as folder_name:
+        folder = pathlib.Path(folder_name)
         if make:
-            subprocess.run(make + [name], check=True, timeout=TIMEOUT_S)
-        page = (report or folder / "report.html").read_text(encoding="utf-8")
+            subprocess.run(make + [folder_name], check=True, timeout=TIMEOUT_S)
+        page = (report or folder / name).read_text(encoding="utf-8")
         check_console_is_heard(browser, folder)
         problems = problems_of(browser, page, folder)
     print("\n".join(problems) if problems else "opened without an error")

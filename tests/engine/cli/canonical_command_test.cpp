@@ -6,6 +6,7 @@
 #include <map>
 #include <regex>
 #include <string>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <vector>
 
@@ -40,7 +41,7 @@ Json wall_plan() {
 
 Contents canonical_results(const std::string& folder) {
   Contents results;
-  for (const char* const name : {"canonical.csv", "columns.csv", "report.html", "run.json"}) {
+  for (const char* const name : {"canonical.csv", "columns.csv", "canonical.html", "run.json"}) {
     const std::string path = (fs::path(folder) / name).string();
     if (fs::exists(path)) results[name] = content_of(path);
   }
@@ -92,7 +93,7 @@ TEST_F(CanonicalCommandTest, RunWritesOneRowForEachPersonAngleMotionAndRotation)
   const Outcome o = expect_done({"run", "wall.json", "--jobs", "2", "--out", "out"});
   EXPECT_EQ(o.out,
             "56 trials of 7 participants at the canonical wall\n"
-            "canonical.csv, columns.csv, report.html and run.json are in out/\n");
+            "canonical.csv, columns.csv, canonical.html and run.json are in out/\n");
   EXPECT_EQ(canonical_results(path("out")), reference());
   std::string expected = "participant,angle_deg,motion,rotation";
   for (int participant = 1; participant <= kPersons; ++participant) {
@@ -112,7 +113,7 @@ TEST_F(CanonicalCommandTest, RunWritesOneRowForEachPersonAngleMotionAndRotation)
   EXPECT_EQ(run["trials"], 56);
   EXPECT_EQ(run["trials_without_result"], 0);
   // The figures are drawn, the ratio and the share for each motion.
-  const std::string& page = reference().at("report.html");
+  const std::string& page = reference().at("canonical.html");
   std::size_t figures = 0;
   for (std::size_t at = 0; (at = page.find("<svg ", at)) != std::string::npos; ++at) ++figures;
   EXPECT_EQ(figures, 4u);
@@ -177,9 +178,16 @@ TEST_F(CanonicalCommandTest, AnalyseRefusesCanonicalRowsByName) {
   for (const char* const name : {"rows.csv", "saved.csv"}) {
     expect_refused({"analyse", name},
                    {std::string(name) + ": line 1: has the columns of canonical.csv; expected",
-                    "trials.csv", "report.html"});
+                    "trials.csv", "canonical.html"});
   }
+  expect_refused({"power", "--pilot", "rows.csv"},
+                 {"rows.csv: line 1: has the columns of canonical.csv; expected"});
   EXPECT_FALSE(fs::exists(path("analysis")));
+  EXPECT_FALSE(fs::exists(path("power")));
+  // A folder has no trials either; the hint names what it has.
+  fs::create_directory(path("wall"));
+  folder.write("wall/canonical.csv", reference().at("canonical.csv"));
+  expect_refused({"analyse", "wall"}, {"wall: ", "wall/canonical.html has the analysis"});
 }
 
 TEST_F(CanonicalCommandTest, BrokenPlansAreRefusedAndNothingIsWritten) {
@@ -194,6 +202,7 @@ TEST_F(CanonicalCommandTest, BrokenPlansAreRefusedAndNothingIsWritten) {
       {{{"angles_deg", {15, 0}}}, {"/angles_deg/1: is 0 after 15"}},
       {{{"angles_deg", Json::array()}}, {"/angles_deg: is a list of 0"}},
       {{{"display_Hz", 1001}}, {"/display_Hz: is 1001"}},
+      {{{"display_Hz", 1e-310}}, {"/display_Hz: is 1e-310; expected at least 0.333"}},
       {{{"operator", "nobody"}}, {"/operator: is \"nobody\""}},
       {{{"seed", 0.5}}, {"/seed: is 0.5"}},
       {{{"device", nullptr}}, {"/device: is null"}},
@@ -233,27 +242,122 @@ TEST_F(CanonicalCommandTest, ShardsOfAnotherPlanAreNotMerged) {
   EXPECT_FALSE(fs::exists(path("all")));
 }
 
-TEST_F(CanonicalCommandTest, ResultsOfTheOtherProtocolInTheFolderAreReplaced) {
+// A plan with one trial at the star.
+Json star_plan() {
   Json star = Json::parse(R"({"palpate_plan": 1, "name": "short", "seed": 1, "participants": 1,
       "blocks": 1, "practice_blocks": 0, "device": {"sensors": 2, "actuators": 1, "rate_Hz": 1000,
       "stiffness_N_per_m": 1000, "damping_Ns_per_m": 2}, "display_Hz": 40, "sphere_radius_m": 0.006,
       "limit_s": 1, "haptic": ["H"], "rotation": ["R"], "objects": {}, "operator": "literature",
       "followings": ["delayed"]})");
   star["objects"]["O1"] = PALPATE_MODELS_DIR "/star.glb";
-  folder.write("star.json", star.dump());
-  expect_done({"run", "star.json", "--out", "out"});
+  return star;
+}
+
+TEST_F(CanonicalCommandTest, ResultsOfTheOtherProtocolInTheFolderAreReplaced) {
+  folder.write("star.json", star_plan().dump());
+  expect_done({"run", "star.json", "--out", "out", "--traces"});
   EXPECT_TRUE(fs::exists(path("out/trials.csv")));
+  const std::string trace = path("out/traces/delayed/participant-1/block-1-trial-1-H-R-O1.csv");
+  EXPECT_TRUE(fs::exists(trace));
+  folder.write("out/traces/delayed/notes.txt", "mine");
   expect_done({"run", "wall.json", "--out", "out"});
   EXPECT_EQ(canonical_results(path("out")), reference());
   EXPECT_FALSE(fs::exists(path("out/trials.csv")));
-  expect_done({"run", "star.json", "--out", "out"});
-  EXPECT_TRUE(fs::exists(path("out/trials.csv")));
-  EXPECT_FALSE(fs::exists(path("out/canonical.csv")));
-  EXPECT_FALSE(fs::exists(path("out/report.html")));
+  EXPECT_FALSE(fs::exists(trace));
+  EXPECT_TRUE(fs::exists(path("out/traces/delayed/notes.txt")));
   // The report of an analysis in the folder of an experiment stays.
   folder.write("out/report.html", "analysis");
   expect_done({"run", "star.json", "--out", "out"});
+  EXPECT_TRUE(fs::exists(path("out/trials.csv")));
+  EXPECT_FALSE(fs::exists(path("out/canonical.csv")));
+  EXPECT_FALSE(fs::exists(path("out/canonical.html")));
   EXPECT_EQ(content_of(path("out/report.html")), "analysis");
+}
+
+TEST_F(CanonicalCommandTest, WhatHasTheNameOfTheOtherProtocolsResultButIsNoneStays) {
+  fs::create_directories(path("one/trials.csv"));
+  expect_done({"run", "wall.json", "--out", "one"});
+  EXPECT_EQ(canonical_results(path("one")), reference());
+  EXPECT_TRUE(fs::is_directory(path("one/trials.csv")));
+  fs::create_directories(path("two"));
+  ASSERT_EQ(::mkfifo(path("two/trials.csv").c_str(), 0600), 0);
+  expect_done({"run", "wall.json", "--out", "two"});
+  EXPECT_TRUE(fs::is_fifo(path("two/trials.csv")));
+  // The trials of people are no results of this program.
+  fs::create_directories(path("three"));
+  folder.write("three/trials.csv", "participant,total_time_s\n");
+  expect_done({"run", "wall.json", "--out", "three"});
+  EXPECT_EQ(content_of(path("three/trials.csv")), "participant,total_time_s\n");
+}
+
+TEST_F(CanonicalCommandTest, AShardLeavesTheResultsOfAnExperimentUntilTheMerge) {
+  folder.write("star.json", star_plan().dump());
+  expect_done({"run", "star.json", "--out", "out"});
+  const std::string trials = content_of(path("out/trials.csv"));
+  expect_done({"run", "wall.json", "--shard", "1/2", "--out", "out"});
+  EXPECT_EQ(content_of(path("out/trials.csv")), trials);
+  expect_done({"run", "wall.json", "--shard", "2/2", "--out", "out"});
+  expect_done({"merge", "out", "--out", "out"});
+  EXPECT_FALSE(fs::exists(path("out/trials.csv")));
+  EXPECT_EQ(canonical_results(path("out")), reference());
+}
+
+TEST_F(CanonicalCommandTest, AWallAndAnExperimentAreNotMerged) {
+  folder.write("star.json", star_plan().dump());
+  expect_done({"run", "star.json", "--out", "star"});
+  expect_done({"run", "wall.json", "--shard", "1/2", "--out", "one"});
+  expect_refused({"merge", "one", "star", "--out", "all"},
+                 {"star/parts/run.json: /kind: is of an experiment; expected a canonical wall, as "
+                  "in one/parts/run.json"});
+  expect_refused({"merge", "star", "one", "--out", "all"},
+                 {"one/parts/run.json: /kind: is of a canonical wall; expected an experiment"});
+  EXPECT_FALSE(fs::exists(path("all")));
+}
+
+// The page of a plan with these changes; warnings: the lines on stderr.
+class CanonicalPageTest : public CanonicalCommandTest {
+ protected:
+  std::string page_of(const Json& change, std::string& warnings) {
+    Json plan = wall_plan();
+    plan["participants"] = 2;
+    plan.merge_patch(change);
+    folder.write("wall.json", plan.dump());
+    const Outcome o = call({"run", "wall.json", "--out", "out"});
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    warnings = o.err;
+    return content_of(path("out/canonical.html"));
+  }
+  static std::size_t count_of(const std::string& text, const std::string& part) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
+    return count;
+  }
+};
+
+TEST_F(CanonicalPageTest, NamesAnglesThatDifferByTheirDigits) {
+  std::string warnings;
+  const std::string page = page_of({{"angles_deg", {89.99, 90}}}, warnings);
+  EXPECT_EQ(warnings, "");
+  EXPECT_EQ(count_of(page, ">89.99<"), 4u);  // a row of each table
+  EXPECT_NE(page.find("NoR and tan\u00a0a go on above the figure"), std::string::npos);
+  EXPECT_NE(page.find("Why is there no ratio at 90 deg"), std::string::npos);
+  // The axis ends near R, and not at tan 89.99 deg = 5730.
+  EXPECT_EQ(count_of(page, ">6000<"), 0u);
+}
+
+TEST_F(CanonicalPageTest, ExplainsOnlyWhatIsMissing) {
+  std::string warnings;
+  const std::string page = page_of({{"angles_deg", {30, 75}}}, warnings);
+  EXPECT_EQ(warnings, "");
+  EXPECT_EQ(count_of(page, "Why is there no ratio"), 0u);
+  EXPECT_EQ(count_of(page, "go on above the figure"), 0u);
+  const std::string soft =
+      page_of({{"device", {{"stiffness_N_per_m", 0}, {"damping_Ns_per_m", 0}}}}, warnings);
+  EXPECT_NE(soft.find("as at a wall without stiffness"), std::string::npos);
+  EXPECT_EQ(count_of(soft, "at 90 deg"), 0u);
+  EXPECT_EQ(count_of(soft, "<svg "), 2u);  // of the share
+  EXPECT_EQ(count_of(warnings, "\n"), 1u) << warnings;
+  EXPECT_NE(warnings.find("no trial has a force into the hand"), std::string::npos) << warnings;
 }
 
 }  // namespace

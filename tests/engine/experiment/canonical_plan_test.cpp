@@ -149,6 +149,12 @@ const std::vector<Breakage>& broken_canonical_plans() {
       {"no display", [](Json& j) { j["display_Hz"] = 0; }, "/display_Hz", "is 0"},
       {"a fast display", [](Json& j) { j["display_Hz"] = 2000; }, "/display_Hz",
        "expected at most the rate of the device, 1000 Hz"},
+      {"a display that is barely too fast", [](Json& j) { j["display_Hz"] = 1000.0001; },
+       "/display_Hz", "is 1000.0001; expected at most the rate of the device, 1000 Hz"},
+      {"a display without a picture", [](Json& j) { j["display_Hz"] = 1e-310; }, "/display_Hz",
+       "is 1e-310; expected at least 0.333333333333333 Hz, one picture within 3 s"},
+      {"a display that is barely too slow", [](Json& j) { j["display_Hz"] = 0.333; }, "/display_Hz",
+       "is 0.333; expected at least 0.333333333333333 Hz"},
       {"angles in no list", [](Json& j) { j["angles_deg"] = 45; }, "/angles_deg",
        "is 45; expected a list"},
       {"no angle", [](Json& j) { j["angles_deg"] = Json::array(); }, "/angles_deg",
@@ -199,10 +205,44 @@ TEST(CanonicalPlan, NamesWhatIsBroken) {
   }
 }
 
+// The number after "expected at least" of an error.
+double advised(const Error& error) {
+  const std::string before = "expected at least ";
+  return std::stod(error.problem.substr(error.problem.find(before) + before.size()));
+}
+
+TEST(CanonicalPlan, AcceptsTheLeastNumberThatItsErrorsName) {
+  for (const auto& [name, operator_name] :
+       {std::pair("people2005", "people2005"), std::pair("literature", "literature")}) {
+    for (const double radius_m : {0.0, 0.001, 0.003, 0.01, 0.033}) {
+      SCOPED_TRACE(name + std::string(", radius ") + std::to_string(radius_m));
+      Json json = shipped();
+      json["operator"] = operator_name;
+      json["device"]["radius_m"] = radius_m;
+      json["device"]["workspace_m"] = 0.1;
+      const auto small = parsed(json);
+      ASSERT_FALSE(small.ok());
+      json["device"]["workspace_m"] = advised(small.error());
+      EXPECT_TRUE(parsed(json).ok()) << parsed(json).error().to_string();
+    }
+  }
+  // Two strokes of 0.1 m and twice two depths of 0.01 m are 0.24 m, which no double is.
+  Json json = shipped();
+  json["operator"] = "literature";
+  json["device"]["workspace_m"] = 0.24;
+  EXPECT_TRUE(parsed(json).ok()) << parsed(json).error().to_string();
+  json["device"]["workspace_m"] = 0.2399999;
+  EXPECT_FALSE(parsed(json).ok());
+  json = shipped();
+  json["display_Hz"] = 0.1;
+  json["display_Hz"] = advised(parsed(json).error());
+  EXPECT_TRUE(parsed(json).ok()) << parsed(json).error().to_string();
+}
+
 TEST(CanonicalPlan, RefusesOperatorsWhoseStrokeDoesNotEnd) {
   const test::TemporaryFolder folder;
   Json person = Json::parse(shipped_literature());
-  for (const double speed_m_per_s : {0.0, 1e-6}) {
+  for (const double speed_m_per_s : {0.0, 1e-310, 1e-6}) {
     person["parameters"]["speed_m_per_s"]["low"] = speed_m_per_s;
     folder.write("slow.json", person.dump());
     Json json = shipped();
@@ -212,6 +252,10 @@ TEST(CanonicalPlan, RefusesOperatorsWhoseStrokeDoesNotEnd) {
     EXPECT_EQ(plan.error().element, "/operator");
     EXPECT_NE(plan.error().problem.find("expected at most 4e+06 ticks"), std::string::npos)
         << plan.error().to_string();
+    // A stroke that never ends does not end at another rate either.
+    const bool ends = speed_m_per_s == 1e-6;
+    EXPECT_EQ(plan.error().problem.find("which never ends; ") == std::string::npos, ends);
+    EXPECT_EQ(plan.error().hint.find("rate_Hz") != std::string::npos, ends);
   }
 }
 

@@ -120,6 +120,25 @@ TEST(CanonicalHand, EndsWithTheMotion) {
   }
 }
 
+// Without a display, the hand rests where it is, and the trial takes as long as the motion: at most
+// four ticks more.
+TEST(CanonicalTrial, EndsEvenIfThePersonSeesNoPicture) {
+  const auto wall = canonical_wall(0.0);
+  ASSERT_TRUE(wall.ok());
+  OperatorParameters person;
+  person.sight_delay_s = 0.1;
+  person.speed_m_per_s = 0.05;
+  for (const auto& [motion, whole_s] :
+       {std::pair(CanonicalMotion::kPressed, 3.0), std::pair(CanonicalMotion::kStroked, 5.0)}) {
+    const auto outcome =
+        run_canonical_trial(*wall, device_setup(), 1e-310, person, {{30.0, motion, false}, 1});
+    ASSERT_TRUE(outcome.ok()) << outcome.error().to_string();
+    EXPECT_FALSE(outcome->along_over_into.has_value());
+    EXPECT_FALSE(outcome->share_within_30deg.has_value());
+    EXPECT_NEAR(static_cast<double>(outcome->ticks), (0.1 + whole_s) / kTick_s + 2.5, 2.5);
+  }
+}
+
 class CanonicalPersons : public testing::TestWithParam<const char*> {
  protected:
   CanonicalPersons() {

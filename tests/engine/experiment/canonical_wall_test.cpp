@@ -31,8 +31,10 @@ Vec3 direction_in_plane(double rad) {
 class GivenWall {
  public:
   GivenWall(test::Random& random, double angle_deg, bool rotates)
+      : GivenWall(random, angle_deg, rotates, random.uniform(0.0, 10e-3)) {}
+  GivenWall(test::Random& random, double angle_deg, bool rotates, double radius_m)
       : motor_rad_(random.uniform(-std::numbers::pi, std::numbers::pi)),
-        radius_m_(random.uniform(0.0, 10e-3)),
+        radius_m_(radius_m),
         wall_(canonical_wall(radius_m_)) {
     EXPECT_TRUE(wall_.ok());
     RunSettings settings;
@@ -58,6 +60,7 @@ class GivenWall {
   const Vec3& normal() const { return normal_; }
   Vec3 motor() const { return direction_in_plane(motor_rad_); }
   double dt_s() const { return setup_->dt_s; }
+  double radius_m() const { return radius_m_; }
 
  private:
   double motor_rad_;
@@ -67,8 +70,8 @@ class GivenWall {
   Vec3 normal_;
 };
 
-CanonicalMeasures measures_of(const std::vector<TickRecord>& records) {
-  CanonicalMeasures measures;
+CanonicalMeasures measures_of(const std::vector<TickRecord>& records, double radius_m) {
+  CanonicalMeasures measures(radius_m);
   for (const TickRecord& record : records) measures.on_tick(record);
   return measures;
 }
@@ -94,7 +97,7 @@ TEST_P(CanonicalAngle, ADeviceOnAGivenPathFeelsTheTangentOfTheAngle) {
     const GivenWall wall(random, angle_deg, false);
     const double slide_m = pose % 2 == 0 ? 0.0 : random.uniform(-0.05, 0.05);
     const auto records = wall.touched(pressed_path(wall, slide_m));
-    const CanonicalMeasures measures = measures_of(records);
+    const CanonicalMeasures measures = measures_of(records, wall.radius_m());
     EXPECT_FALSE(measures.is_spoilt());
     ASSERT_TRUE(measures.along_over_into().has_value());
     const double tangent = std::tan(angle_deg * kDegree);
@@ -122,13 +125,15 @@ TEST(CanonicalWall, NoNumberStandsWhereTheMotorCannotPushIntoTheWall) {
   test::Random random(2500);
   for (int pose = 0; pose < 20; ++pose) {
     const GivenWall wall(random, 90.0, false);
-    const CanonicalMeasures measures = measures_of(wall.touched(pressed_path(wall, 0.0)));
+    const CanonicalMeasures measures =
+        measures_of(wall.touched(pressed_path(wall, 0.0)), wall.radius_m());
     EXPECT_FALSE(measures.along_over_into().has_value());
     EXPECT_EQ(measures.share_within_30deg(), 0.0);
   }
   // But where it barely can.
   const GivenWall wall(random, 89.99, false);
-  const CanonicalMeasures measures = measures_of(wall.touched(pressed_path(wall, 0.0)));
+  const CanonicalMeasures measures =
+      measures_of(wall.touched(pressed_path(wall, 0.0)), wall.radius_m());
   ASSERT_TRUE(measures.along_over_into().has_value());
   EXPECT_NEAR(*measures.along_over_into() / std::tan(89.99 * kDegree), 1.0, 1e-6);
 }
@@ -137,7 +142,8 @@ TEST(CanonicalWall, AWallAcrossTheMotorHasNoForceAlongIt) {
   test::Random random(2510);
   for (int pose = 0; pose < 20; ++pose) {
     const GivenWall wall(random, 0.0, false);
-    const CanonicalMeasures measures = measures_of(wall.touched(pressed_path(wall, 0.0)));
+    const CanonicalMeasures measures =
+        measures_of(wall.touched(pressed_path(wall, 0.0)), wall.radius_m());
     ASSERT_TRUE(measures.along_over_into().has_value());
     EXPECT_LT(*measures.along_over_into(), 0x1p-47);  // the rounding of N
     EXPECT_EQ(measures.share_within_30deg(), 1.0);
@@ -147,8 +153,8 @@ TEST(CanonicalWall, AWallAcrossTheMotorHasNoForceAlongIt) {
 TEST(CanonicalWall, WithoutContactNothingIsMeasured) {
   test::Random random(2520);
   const GivenWall wall(random, 30.0, true);
-  const CanonicalMeasures measures =
-      measures_of(wall.touched(std::vector<Vec3>(100, wall.device_m(-kOutside_m))));
+  const CanonicalMeasures measures = measures_of(
+      wall.touched(std::vector<Vec3>(100, wall.device_m(-kOutside_m))), wall.radius_m());
   EXPECT_FALSE(measures.is_spoilt());
   EXPECT_FALSE(measures.along_over_into().has_value());
   EXPECT_FALSE(measures.share_within_30deg().has_value());
@@ -162,8 +168,36 @@ TEST(CanonicalWall, AnAngleOf30DegIsWithinThemWhateverItsRounding) {
         std::pair(30.0 * kDegree * (1.0 + 0x1p-50), 1.0),
         std::pair(30.0 * kDegree * (1.0 + 0x1p-40), 0.0)}) {
     record.alpha_rad = angle_rad;
-    EXPECT_EQ(measures_of({record}).share_within_30deg(), share);
+    EXPECT_EQ(measures_of({record}, 0.0).share_within_30deg(), share);
   }
+}
+
+// The front of the plate is two triangles, and their common edge goes through its middle. While a
+// sphere rolls over the edge, its contact normal is a little off.
+TEST(CanonicalWall, ASphereThatRollsOverTheEdgeOfTwoTrianglesMeasuresTheWall) {
+  test::Random random(2525);
+  int off = 0;
+  for (const double radius_m : {0.0, 1e-3, 3e-3, 10e-3, 30e-3, 60e-3, 90e-3}) {
+    SCOPED_TRACE("radius " + std::to_string(radius_m) + " m");
+    const auto rolled = [&](double angle_deg) {
+      const GivenWall wall(random, angle_deg, false, radius_m);
+      std::vector<Vec3> path_m{wall.device_m(-1e-3)};
+      for (int n = -500; n <= 500; ++n) path_m.push_back(wall.device_m(kDepth_m, n * 2e-8));
+      return wall.touched(path_m);
+    };
+    const auto records = rolled(30.0);
+    for (const TickRecord& record : records) {
+      off += record.contact && std::abs(record.alpha_rad - 30.0 * kDegree) > 0x1p-47;
+    }
+    EXPECT_EQ(measures_of(records, radius_m).share_within_30deg(), 1.0);
+    EXPECT_FALSE(measures_of(rolled(90.0), radius_m).along_over_into().has_value());
+    // But the tolerance is no degree.
+    EXPECT_EQ(measures_of(rolled(30.01), radius_m).share_within_30deg(), 0.0);
+    const auto steep = measures_of(rolled(89.9), radius_m).along_over_into();
+    ASSERT_TRUE(steep.has_value());
+    EXPECT_NEAR(*steep / std::tan(89.9 * kDegree), 1.0, 1e-2);
+  }
+  EXPECT_GT(off, 0) << "no sphere touched the edge";
 }
 
 // Above 30 deg, A4 turns the wall at 90 deg/s (Figure 3). The device is put into the wall in one
@@ -220,7 +254,7 @@ TEST(CanonicalWall, WithA4TheRatioIsThatOfTheAnglesOnTheWay) {
       }
       depth_m *= std::cos(before_rad - angle_rad);
     }
-    const CanonicalMeasures measures = measures_of(records);
+    const CanonicalMeasures measures = measures_of(records, wall.radius_m());
     ASSERT_TRUE(measures.along_over_into().has_value());
     EXPECT_NEAR(*measures.along_over_into() / (along / into), 1.0, 1e-3);
     EXPECT_NEAR(*measures.share_within_30deg(), within / 990.0, 1.5 / 990.0);
@@ -233,10 +267,12 @@ TEST(CanonicalWall, AProxyBeyondAnEndOfTheWallSpoilsATrial) {
     const GivenWall wall(random, 30.0, false);
     const double last_m = kWallHalfLength_m - 1e-3;
     EXPECT_FALSE(measures_of(wall.touched({wall.device_m(-1e-3, end * last_m),
-                                           wall.device_m(1e-3, end * last_m)}))
+                                           wall.device_m(1e-3, end * last_m)}),
+                             wall.radius_m())
                      .is_spoilt());
     EXPECT_TRUE(measures_of(wall.touched({wall.device_m(-1e-3, end * last_m),
-                                          wall.device_m(-1e-3, end * (last_m + 2e-3))}))
+                                          wall.device_m(-1e-3, end * (last_m + 2e-3))}),
+                            wall.radius_m())
                     .is_spoilt());
   }
 }
