@@ -5,11 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/experiment/canonical_run.h"
 #include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/experiment_merge.h"
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/participant_run.h"
 #include "engine/experiment/run_identity.h"
+#include "engine/experiment/strict_json.h"
 #include "engine/experiment/sweep_analysis.h"
 #include "engine/experiment/sweep_report.h"
 #include "engine/experiment/sweep_rows.h"
@@ -97,6 +99,14 @@ std::optional<Error> check_input_is_kept(const Sweep& sweep, const std::string& 
   return std::nullopt;
 }
 
+// The results of other kinds in the folder that those of a sweep do not overwrite.
+std::vector<std::string> results_of_other_kinds_in(const std::string& folder) {
+  std::vector<std::string> names = experiment_results_in(folder);
+  for (std::string& name : canonical_results_in(folder)) names.push_back(std::move(name));
+  if (!names.empty()) names.emplace_back(kColumnsFile);
+  return names;
+}
+
 MergedSweep counts_of(const SweepAnalysis& analysis) {
   MergedSweep merged;
   merged.points = static_cast<int>(analysis.points.size());
@@ -137,6 +147,17 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
   return outcome;
 }
 
+std::vector<std::string> sweep_result_names_in(const std::string& folder) {
+  const auto text = read_settings_text((fs::path(folder) / kRunFile).string());
+  if (!text) return {};
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  const bool is_run = json.is_object() && json.contains("palpate_run") && json.contains("kind");
+  if (!is_run || json["kind"] != "sweep") return {};
+  std::vector<std::string> names = sweep_result_names();
+  std::erase(names, kRunFile);
+  return names;
+}
+
 Result<MergedSweep> merge_sweep(const std::vector<std::string>& folders,
                                 const std::string& out_folder) {
   const auto joined =
@@ -157,7 +178,8 @@ Result<MergedSweep> merge_sweep(const std::vector<std::string>& folders,
     texts.push_back(std::move(file));
   }
   texts.emplace_back(kRunFile, sweep_run_json(joined->identity, merged));
-  if (auto error = write_results(out_folder, texts)) return *error;
+  const auto obsolete = results_of_other_kinds_in(out_folder);
+  if (auto error = write_results(out_folder, texts, obsolete)) return *error;
   return merged;
 }
 

@@ -39,8 +39,12 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
                                const std::function<void(const RunProgress&)>& progress = {},
                                const StopFlag* stop = nullptr);
 
+// The results of a sweep in a folder, besides kRunFile; empty if its run.json is not of a sweep.
+std::vector<std::string> sweep_result_names_in(const std::string& folder);
+
 // Reads the parts in these folders, checks them (join_parts), and writes sweep.csv, the report
-// (sweep_report.h) and run.json into out_folder, together or not at all.
+// (sweep_report.h) and run.json into out_folder, together or not at all. Results of
+// another kind of run in out_folder are removed.
 Result<MergedSweep> merge_sweep(const std::vector<std::string>& folders,
                                 const std::string& out_folder);
 

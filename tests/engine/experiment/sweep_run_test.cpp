@@ -125,7 +125,9 @@ TEST(SweepPoints, AreTheBaseEachOtherLevelAndTheHypercube) {
     levels[*point.varied].push_back(*point.values[*point.varied]);
     EXPECT_EQ(point.participants, 2);
     for (std::size_t i = 0; i < kSweepParameterCount; ++i) {
-      if (i != *point.varied) EXPECT_EQ(point.values[i], points.front().values[i]);
+      if (i != *point.varied) {
+        EXPECT_EQ(point.values[i], points.front().values[i]);
+      }
     }
   }
   EXPECT_EQ(levels[kSightDelay], (std::vector<double>{0.1, 0.2}));
@@ -201,7 +203,9 @@ TEST(SweepRun, EveryTrialHasTheValuesOfItsPoint) {
       ++trials;
       for (std::size_t p = 0; p < kSweepParameterCount; ++p) {
         const auto field = sweep_parameters()[p].drawn;
-        if (field && values[p]) EXPECT_EQ(person.*field, *values[p]);
+        if (field && values[p]) {
+          EXPECT_EQ(person.*field, *values[p]);
+        }
       }
       EXPECT_EQ(person.comfortable_depth_m, *values[kComfortableDepth]);
       EXPECT_EQ(setup.haptics.coupling.stiffness_N_per_m, *values[kDeviceStiffness]);
@@ -294,7 +298,9 @@ TEST(SweepRun, TheBasePointHasTheMeansOfAnExperimentWithTheBasePlan) {
     EXPECT_EQ(row.limit_s, 120.0);
     for (std::size_t i = 0; i < 4; ++i) {
       ASSERT_EQ(row.means[i].has_value(), counts[i] > 0);
-      if (counts[i] > 0) EXPECT_EQ(*row.means[i], sums[i] / counts[i]);
+      if (counts[i] > 0) {
+        EXPECT_EQ(*row.means[i], sums[i] / counts[i]);
+      }
     }
     ++compared;
   }
@@ -392,7 +398,9 @@ TEST(SweepRun, KilledBetweenAnyTwoRenamesOfResultsIsCompletedByAnotherMerge) {
       return merge_sweep({out}, out).ok();
     }));
     // run.json is there only beside all others.
-    if (fs::exists(fs::path(out) / kRunFile)) EXPECT_EQ(sweep_results_in(out), sweep_reference());
+    if (fs::exists(fs::path(out) / kRunFile)) {
+      EXPECT_EQ(sweep_results_in(out), sweep_reference());
+    }
     ASSERT_TRUE(merge_sweep({out}, out).ok());
     EXPECT_EQ(sweep_results_in(out), sweep_reference());
   }
@@ -440,8 +448,13 @@ TEST(SweepRun, AnotherSweepOrAnExperimentInTheFolderIsReplaced) {
   ASSERT_TRUE(
       run_experiment(quick_sweep().plan, {folder.path(), {}, 1, false}, sweep_stand_in()).ok());
   EXPECT_TRUE(units_with_parts(folder.path(), "point").empty());
+  for (const std::string& name : sweep_result_names()) {
+    EXPECT_EQ(fs::exists(folder.path(name)), name == kRunFile) << name;
+  }
   EXPECT_EQ(sweep_into(folder.path()).computed.size(), static_cast<std::size_t>(kPoints));
   EXPECT_TRUE(units_with_parts(folder.path(), "participant").empty());
+  EXPECT_FALSE(fs::exists(folder.path(kTrialsFile)));
+  EXPECT_FALSE(fs::exists(folder.path("columns.csv")));
   EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
 }
 
@@ -537,7 +550,7 @@ TEST(SweepMerge, NamesMissingPointsAndOtherRuns) {
   sweep_into(b, Shard{2, 2}, 1, sweep_of(other));
   expect_refused({a, b}, part_identity_path(b), "/plan/hash");
   ASSERT_TRUE(run_experiment(quick_sweep().plan, {b, {}, 1, false}, sweep_stand_in()).ok());
-  expect_refused({b}, part_identity_path(b), "is of an experiment; expected the kind sweep");
+  expect_refused({b}, part_identity_path(b), "is of an experiment; expected a sweep");
   EXPECT_EQ(*kind_of_run_in(a), RunKind::kSweep);
   EXPECT_EQ(*kind_of_run_in(b), RunKind::kExperiment);
 }
