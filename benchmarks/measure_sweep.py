@@ -4,8 +4,8 @@
 measure_sweep.py PROGRAM [FOLDER]
 
 Writes sweep.json into benchmarks/results/sweep: how the trials ended, the ranges of the parameters in the
-hypercube, and at which share of its points each ranking holds, over all points and in the halves by each
-parameter. The results depend on the code alone. The run takes less than ten minutes on two cores. FOLDER:
+hypercube, and at which share of its points each ranking holds, over all testable points and in the
+parts by each parameter. The results depend on the code alone. The run takes less than ten minutes on two cores. FOLDER:
 where the parts of the run are kept, so that an interrupted run goes on; by default a temporary folder.
 """
 
@@ -54,6 +54,10 @@ def value(text):
 def measure(program, folder):
     subprocess.run([program, "experiment", "sweep", "sweep", "--out", folder], check=True, cwd=ROOT,
                    stdout=subprocess.DEVNULL)
+    return results_in(folder)
+
+
+def results_in(folder):
     rows = rows_of(folder / "sweep.csv")
     halves = [{key: value(text) for key, text in row.items()}
               for row in rows_of(folder / "halves.csv")]

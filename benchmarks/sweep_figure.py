@@ -1,8 +1,9 @@
 """Draws a4_helps.svg: which assumption decides whether A4 helps.
 
-For each measure in the condition UaH, and for each assumption that the sweep varies, the share of the
-hypercube's points at which the measure is smaller with A4, in the low and in the high half of the
-assumption. measure_sweep.py writes the data.
+For each measure in the condition UaH whose share is not 0 or 1, and for each assumption that the sweep
+varies, the share of the hypercube's testable points at which the measure is smaller with A4: in the low and
+in the high half of the assumption, or at each of its words. measure_sweep.py writes the data. The texts are
+readable at a width of 400 px.
 """
 
 import json
@@ -15,24 +16,24 @@ from result_tables import BadInput
 # The measure, and the name of its ranking.
 MEASURES = [("contact angle", "mean contact angle, Rotation"),
             ("time", "total time, A4 in UaH"),
-            ("losses of contact", "losses of contact, A4 in UaH"),
+            ("losses", "losses of contact, A4 in UaH"),
             ("penetration", "mean penetration, A4 in UaH")]
-# Words, factor and unit of each assumption, in the order of the tables.
+# Words of each assumption, in the order of the tables.
 ASSUMPTIONS = {
-    "sight_delay_s": ("delay of sight", 1e3, "ms"),
-    "intention_noise_m": ("noise of the aim", 1e3, "mm"),
-    "force_noise": ("noise of the force", 1e2, "%"),
-    "press_depth_m": ("depth of pressing", 1e3, "mm"),
-    "hand_stiffness_N_per_m": ("stiffness of the hand", 1, "N/m"),
-    "speed_m_per_s": ("speed", 1e3, "mm/s"),
-    "stiffness_N_per_m": ("stiffness of the device", 1, "N/m"),
-    "comfortable_depth_m": ("depth that slows the hand", 1e3, "mm"),
-    "following": ("how the turn is followed", None, ""),
-    "align": ("end of the motor's line", None, ""),
-    "start_orientation_deg": ("start orientation", 1, "deg"),
-    "scale": ("size of the objects", 1, ""),
+    "sight_delay_s": "delay of sight",
+    "intention_noise_m": "noise of the aim",
+    "force_noise": "noise of the force",
+    "press_depth_m": "depth of pressing",
+    "hand_stiffness_N_per_m": "stiffness of hand",
+    "speed_m_per_s": "speed",
+    "stiffness_N_per_m": "stiffness of device",
+    "comfortable_depth_m": "slowing depth",
+    "following": "following the turn",
+    "align": "end of motor line",
+    "start_orientation_deg": "start orientation",
+    "scale": "size of objects",
 }
-WORD_HALVES = {"following": "delayed, predict / replan, frozen", "align": "nearest / forward"}
+HALVES = ("low half", "high half")
 
 LOW = "#ffffff"
 HIGH = "#1f5fbf"
@@ -40,12 +41,18 @@ DECIDES = "#c62828"
 MUTED = "#555555"
 GRID = "#e1e4e8"
 
-WIDTH = 960
-MARGIN = 26
-TOP = 150
-ROW = 30
-NAMES = 226  # width of the names
-GAP = 44
+WIDTH = 520
+MARGIN = 14
+TOP = 46
+ROW = 24
+NAMES = 142  # width of the names
+GAP = 24
+LINE = 19  # between lines of text
+TEXT = 15
+LETTER = 0.52 * TEXT  # the mean width of a letter
+
+# Of the answer's sentences: untestable points, by their number and all points.
+UNTESTABLE = "{} of {} not testable, because nobody completed the trials"
 
 
 def read(folder):
@@ -57,110 +64,150 @@ def read(folder):
 
 
 def percent(share):
-    return f"{100 * share:.0f} %"
+    """Shares that are not 1 or 0 are not rounded to them."""
+    text = f"{math.floor(100 * share + 0.5)} %"
+    if text == "100 %" and share < 1.0:
+        return "> 99 %"
+    return "< 1 %" if text == "0 %" and share > 0.0 else text
 
 
 def ranking(data, name):
     return next(row for row in data["rankings"] if row["ranking"] == name)
 
 
-def halves(data, name, parameter):
-    return next(row for row in data["halves"]
-                if row["ranking"] == name and row["parameter"] == parameter)
+def parts(data, name, parameter):
+    return [row for row in data["halves"] if row["ranking"] == name and row["parameter"] == parameter]
 
 
-def range_text(data, parameter):
-    _, factor, unit = ASSUMPTIONS[parameter]
-    if factor is None:
-        return WORD_HALVES[parameter]
-    row = next(row for row in data["ranges"] if row["parameter"] == parameter)
-    low, high = (f"{factor * row[end]:.6g}" for end in ("low", "high"))
-    return f"{low} to {high} {unit}".strip()
+def decisive(row):
+    return (row["decisive_parameters"] or "").split()
+
+
+def drawn(data):
+    """The measures with a panel: whose share is neither 0 nor 1."""
+    return [(words, name) for words, name in MEASURES
+            if 0 < ranking(data, name)["holds"] < ranking(data, name)["points"]]
+
+
+def holds_text(row):
+    """At how many points a ranking holds."""
+    text = f"holds at {row['holds']} of {row['points']} testable points"
+    if row["untestable"]:
+        text += "; " + UNTESTABLE.format(row["untestable"], row["points"] + row["untestable"])
+    return text
 
 
 def answer(data):
-    """Sentences: where A4 helps, and what decides it."""
-    parts = []
+    """Lines: where A4 helps."""
+    lines = ["With the force of one motor (UaH), A4 makes smaller the"]
     for words, name in MEASURES:
         row = ranking(data, name)
-        part = f"the {words} at {percent(row['share'])}"
-        if row["decisive_parameters"]:
-            names = [ASSUMPTIONS[name][0] for name in row["decisive_parameters"].split()]
-            part += f" (most decisive: {' and '.join(names)})"
-        parts.append(part)
-    return (f"Each of {data['points']['hypercube']} points has other properties of hand, device and scene. "
-            "With the force of one motor (UaH), A4 makes these measures smaller: "
-            + "; ".join(parts) + ".")
+        line = f"- {words} at {row['holds']} of {row['points']} testable points"
+        if row["untestable"]:
+            line += f"; {row['untestable']} of {row['points'] + row['untestable']} not testable"
+        lines.append(line)
+    return lines
 
 
 def draw(data):
-    rows = list(ASSUMPTIONS)
-    bottom = TOP + ROW * len(rows)
-    picture = svg.Drawing(WIDTH, math.ceil(bottom + 96), "Which assumption decides whether A4 helps")
-    picture.text((MARGIN, 36), "Which assumption decides whether A4 helps", 24, bold=True)
-    picture.paragraph((MARGIN, 62), answer(data), WIDTH - 2 * MARGIN)
-    panel = (WIDTH - 2 * MARGIN - NAMES - 3 * GAP) / len(MEASURES)
+    rows, measures = list(ASSUMPTIONS), drawn(data)
+    said = answer(data)
+    top = TOP + LINE * len(said) + 42
+    bottom = top + ROW * len(rows)
+    notes = notes_of(data)
+    picture = svg.Drawing(WIDTH, bottom + 74 + LINE * len(notes),
+                          "Which assumption decides whether A4 helps")
+    picture.text((MARGIN, 26), "Which assumption decides whether A4 helps", 19, bold=True)
+    for n, line in enumerate(said):
+        picture.text((MARGIN, TOP + 4 + LINE * n), line, TEXT)
     for n, parameter in enumerate(rows):
-        y = TOP + ROW * (n + 0.5)
-        picture.text((MARGIN, y - 1), ASSUMPTIONS[parameter][0], 14)
-        picture.text((MARGIN, y + 12), range_text(data, parameter), 11, MUTED)
-    for n, measure in enumerate(MEASURES):
+        picture.text((MARGIN, top + ROW * (n + 0.5) + 5), ASSUMPTIONS[parameter], TEXT)
+    panel = panel_width(measures)
+    for n, measure in enumerate(measures):
         left = MARGIN + NAMES + n * (panel + GAP)
-        draw_panel(picture, data, measure, (left, panel, bottom), rows)
-    draw_legend(picture, bottom + 58)
+        draw_panel(picture, data, measure, (left, panel, top, bottom), rows)
+    draw_legend(picture, bottom + 48)
+    for n, note in enumerate(notes):
+        picture.text((MARGIN, bottom + 70 + LINE * n), note, TEXT, MUTED)
     return picture.svg()
 
 
+def panel_width(measures):
+    return (WIDTH - 2 * MARGIN - NAMES - (len(measures) - 1) * GAP) / max(1, len(measures))
+
+
 def draw_panel(picture, data, measure, frame, rows):
-    left, panel, bottom = frame
+    left, panel, top, bottom = frame
     words, name = measure
     of_all = ranking(data, name)
 
     def x_of(share):
         return left + share * panel
 
-    picture.text((left, TOP - 14), words, 15, bold=True)
+    picture.text((left, top - 10), words, TEXT, bold=True)
     for share in (0.0, 0.5, 1.0):
-        picture.line([(x_of(share), TOP), (x_of(share), bottom)], GRID)
-        picture.text((x_of(share), bottom + 18), f"{100 * share:.0f} %", 12, MUTED, "middle")
-    picture.rectangle((x_of(of_all["low"]), TOP),
-                      ((of_all["high"] - of_all["low"]) * panel, bottom - TOP), "#f0f2f5")
-    picture.line([(x_of(of_all["share"]), TOP), (x_of(of_all["share"]), bottom)], MUTED, 1, "4 3")
+        picture.line([(x_of(share), top), (x_of(share), bottom)], GRID)
+    for share, anchor in ((0.0, "start"), (1.0, "end")):
+        picture.text((x_of(share), bottom + 18), f"{100 * share:.0f} %", TEXT, MUTED, anchor)
+    picture.rectangle((x_of(of_all["low"]), top),
+                      ((of_all["high"] - of_all["low"]) * panel, bottom - top), "#f0f2f5")
+    picture.line([(x_of(of_all["share"]), top), (x_of(of_all["share"]), bottom)], MUTED, 1, "4 3")
     for n, parameter in enumerate(rows):
-        y = TOP + ROW * (n + 0.5)
-        of = halves(data, name, parameter)
-        decides = parameter in (of_all["decisive_parameters"] or "").split()
+        y = top + ROW * (n + 0.5)
+        decides = parameter in decisive(of_all)
         colour = DECIDES if decides else HIGH
-        low, high = x_of(of["low_share"]), x_of(of["high_share"])
-        picture.line([(low, y), (high, y)], colour, 3 if decides else 1.5)
-        picture.circle((low, y), 5, LOW, colour, 1.8)
-        picture.circle((high, y), 5, colour, colour, 1.8)
+        of = [row for row in parts(data, name, parameter) if row["share"] is not None]
+        shares = [x_of(row["share"]) for row in of]
+        if shares:
+            picture.line([(min(shares), y), (max(shares), y)], colour, 3 if decides else 1.5)
+        for row, x in zip(of, shares):
+            if row["part"] in HALVES:
+                picture.circle((x, y), 5, LOW if row["part"] == HALVES[0] else colour, colour, 1.8)
+            else:
+                picture.rectangle((x - 3, y - 5), (6, 10), colour)
 
 
 def draw_legend(picture, y):
     x = MARGIN
-    for fill, text, colour in ((LOW, "low half of the range", HIGH),
-                               (HIGH, "high half of the range", HIGH),
-                               (DECIDES, "the assumption whose halves differ most", DECIDES)):
-        picture.circle((x + 6, y - 5), 5, fill, colour, 1.8)
-        picture.text((x + 18, y), text, 13)
-        x += 34 + 7.1 * len(text)
-    picture.line([(MARGIN, y + 17), (MARGIN + 22, y + 17)], MUTED, 1, "4 3")
-    picture.text((MARGIN + 30, y + 22), "all points, with Wilson's 95 % interval. Shares are of our "
-                 "ranges of simulated hands, not of people.", 13)
+    for fill, text, colour in ((LOW, "low half", HIGH), (HIGH, "high half", HIGH),
+                               ("word", "one word", HIGH), (DECIDES, "decides most (p < 0.05)", DECIDES)):
+        if fill == "word":
+            picture.rectangle((x + 3, y - 10), (6, 10), colour)
+        else:
+            picture.circle((x + 6, y - 5), 5, fill, colour, 1.8)
+        picture.text((x + 16, y), text, TEXT)
+        x += 34 + LETTER * len(text)
+
+
+def notes_of(data):
+    """Lines below the figure."""
+    untestable = max(ranking(data, name)["untestable"] for _, name in MEASURES)
+    text = ["Dashed: all points, with Wilson's 95 % interval. A coin gives 50 %."]
+    if untestable:
+        text.append("Not testable: nobody completed the trials there.")
+    text.append("Shares are of our ranges of simulated hands, not of people.")
+    return text
+
+
+def decisive_text(data, row):
+    """The parameters that decide most, with their parts, and p."""
+    if row["p"] is None:
+        return "none"
+    texts = [f"`{name}`: " + ", ".join(
+        f"{of['part']} " + ("not testable" if of["share"] is None
+                            else f"{percent(of['share'])} of {of['points']}")
+        for of in parts(data, row["ranking"], name)) for name in decisive(row)]
+    return ("; ".join(texts) or "none beyond chance") + f" (p = {row['p']:.2g})"
 
 
 def table(data):
     """The table of RESULTS.md: each ranking, where it holds, and what decides most."""
     rows = []
     for row in data["rankings"]:
-        decides = "; ".join(
-            f"`{name}`: {percent(of['low_share'])} in the low half, {percent(of['high_share'])} in the "
-            "high half" for name in (row["decisive_parameters"] or "").split()
-            for of in [halves(data, row["ranking"], name)]) or "-"
+        share = "" if row["share"] is None else (
+            f"{percent(row['share'])} ({100 * row['low']:.0f} to {percent(row['high'])}): ")
         rows.append((f"{row['ranking']}: {row['order']}",
-                     [f"{percent(row['share'])} ({100 * row['low']:.0f} to {percent(row['high'])})",
-                      decides]))
+                     [share + holds_text(row), decisive_text(data, row)]))
     counts = data["counts"]
     return tables.markdown(["ranking", "holds at", "what decides most"], rows) + (
         f"\n\n{data['points']['hypercube']} points of the hypercube; {counts['trials']} trials in all, "

@@ -16,6 +16,7 @@
 #include "engine/experiment/plan_device.h"
 #include "engine/experiment/run_identity.h"
 #include "engine/experiment/strict_json.h"
+#include "engine/experiment/sweep_run.h"
 #include "engine/experiment/trial.h"
 #include "engine/experiment/trials_file.h"
 
@@ -100,14 +101,11 @@ std::string canonical_run_json(const RunIdentity& identity, const MergedCanonica
   return json.dump(2) + "\n";
 }
 
-// The results of an experiment in the folder that those of a canonical run do not overwrite. A
-// trials.csv without the run.json of an experiment was not written by this program.
-std::vector<std::string> experiment_results_in(const std::string& folder) {
-  const auto text = read_settings_text((std::filesystem::path(folder) / kRunFile).string());
-  if (!text) return {};
-  const auto json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object() || !json.contains("palpate_run") || json.contains("kind")) return {};
-  return {kTrialsFile};
+// The results of other kinds in the folder that those of a canonical run do not overwrite.
+std::vector<std::string> other_results_in(const std::string& folder) {
+  std::vector<std::string> names = experiment_results_in(folder);
+  for (std::string& name : sweep_result_names_in(folder)) names.push_back(std::move(name));
+  return names;
 }
 
 }  // namespace
@@ -132,7 +130,7 @@ Result<MergedCanonical> merge_canonical(const std::vector<std::string>& folders,
                                   {kColumnsFile, canonical_columns_csv()},
                                   {kCanonicalPage, page},
                                   {kRunFile, canonical_run_json(identity, merged)}},
-                                 experiment_results_in(out_folder))) {
+                                 other_results_in(out_folder))) {
     return *error;
   }
   return merged;
@@ -143,6 +141,14 @@ std::vector<std::string> canonical_results_in(const std::string& folder) {
   const auto path = std::filesystem::path(folder) / kCanonicalFile;
   if (!std::filesystem::is_regular_file(path, failed)) return {};
   return {kCanonicalFile, kCanonicalPage};
+}
+
+std::vector<std::string> experiment_results_in(const std::string& folder) {
+  const auto text = read_settings_text((std::filesystem::path(folder) / kRunFile).string());
+  if (!text) return {};
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  if (!json.is_object() || !json.contains("palpate_run") || json.contains("kind")) return {};
+  return {kTrialsFile};
 }
 
 Result<CanonicalRunOutcome> run_canonical(const CanonicalPlan& plan, const DealtSettings& settings,

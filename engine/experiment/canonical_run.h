@@ -40,6 +40,10 @@ Result<MergedCanonical> merge_canonical(const std::vector<std::string>& folders,
 // the same folder replaces.
 std::vector<std::string> canonical_results_in(const std::string& folder);
 
+// The results of an experiment in a folder, besides kColumnsFile and kRunFile; empty if there are
+// none. A trials.csv without the run.json of an experiment was not written by this program.
+std::vector<std::string> experiment_results_in(const std::string& folder);
+
 struct CanonicalRunOutcome : DealtOutcome {
   std::optional<MergedCanonical> merged;  // no value: a shard, or stopped
 };

@@ -53,7 +53,9 @@ Result<RunIdentity> read_identity(const std::string& folder) {
   if (text) return parse_identity(*text, path);
   if (text.error().code != ErrorCode::kFileNotFound) return text.error();
   return Error{ErrorCode::kFileNotFound, folder, "",
-               "has no parts/run.json; expected the folder of `experiment run --out`", ""};
+               "has no parts/run.json; expected the folder of `experiment run --out` or of "
+               "`experiment sweep --out`",
+               ""};
 }
 
 std::string kind_text(RunKind kind) {

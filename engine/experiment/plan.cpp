@@ -376,6 +376,11 @@ Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path
                                   const std::string& folder) {
   const auto json = parse_strict_json(text, path);
   if (!json) return json.error();
+  if (json->is_object() && json->contains("palpate_sweep") && !json->contains("palpate_plan")) {
+    return Error{ErrorCode::kInvalidContent, path, "/palpate_sweep",
+                 "is the key of a sweep; expected palpate_plan",
+                 "`palpate experiment sweep` runs a sweep"};
+  }
   ExperimentPlan plan;
   plan.path = path;
   ObjectReader reader(*json, "");

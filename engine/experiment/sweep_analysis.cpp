@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "engine/experiment/sweep_chance.h"
+
 namespace palpate {
 namespace {
 
@@ -50,39 +52,85 @@ SweepAxis axis_of(const std::vector<SweepPointResult>& points, std::size_t param
 void add_flips(const std::vector<SweepPointResult>& points, const SweepAxis& axis,
                std::vector<SweepFlip>& flips) {
   for (std::size_t r = 0; r < sweep_rankings().size(); ++r) {
-    for (std::size_t i = 1; i < axis.points.size(); ++i) {
-      const SweepPointResult& before = points[axis.points[i - 1]];
-      const SweepPointResult& after = points[axis.points[i]];
-      const RankingAtPoint& was = before.rankings[r];
+    const SweepPointResult* before = nullptr;  // the last testable level
+    for (const std::size_t place : axis.points) {
+      const SweepPointResult& after = points[place];
       const RankingAtPoint& is = after.rankings[r];
-      if (!was.holds || !is.holds || *was.holds == *is.holds) continue;
-      flips.push_back({axis.parameter, r, *value_of(before, axis.parameter),
-                       *value_of(after, axis.parameter), *is.holds, was.is_clear && is.is_clear});
+      if (!is.holds) continue;
+      const SweepPointResult* const last = std::exchange(before, &after);
+      if (!last || *last->rankings[r].holds == *is.holds) continue;
+      flips.push_back({axis.parameter, r, *value_of(*last, axis.parameter),
+                       *value_of(after, axis.parameter), *is.holds,
+                       last->rankings[r].is_clear && is.is_clear});
     }
   }
 }
 
 void count_point(const RankingAtPoint& at, RankingShare& share) {
-  if (!at.holds) return;
+  if (!at.holds) {
+    ++share.untestable;
+    return;
+  }
   ++share.points;
   share.holds += *at.holds ? 1 : 0;
 }
 
+// The parts of the points by a parameter: the words, or the halves of the values that occur.
+PointSplit split_of(const std::vector<const SweepPointResult*>& points, std::size_t parameter) {
+  std::set<double> values;
+  for (const SweepPointResult* point : points) values.insert(*value_of(*point, parameter));
+  const bool has_words = !sweep_parameters()[parameter].words.empty();
+  PointSplit split;
+  split.parts = has_words ? values.size() : std::size_t{2};
+  const std::size_t half = values.size() / 2;
+  for (const SweepPointResult* point : points) {
+    const auto place = static_cast<std::size_t>(
+        std::distance(values.begin(), values.find(*value_of(*point, parameter))));
+    const bool is_low = place < half, is_high = place >= values.size() - half;
+    const std::optional<std::size_t> part_of_number =
+        is_low || is_high ? std::optional<std::size_t>(is_high ? 1 : 0) : std::nullopt;
+    split.part_of.push_back(has_words ? place : part_of_number);
+  }
+  return split;
+}
+
 RankingHalves halves_of(const std::vector<const SweepPointResult*>& hypercube, std::size_t ranking,
                         std::size_t parameter) {
-  std::set<double> values;
-  for (const SweepPointResult* point : hypercube) values.insert(*value_of(*point, parameter));
-  RankingHalves halves{parameter, {}, {}};
-  const std::size_t half = values.size() / 2;
-  if (half == 0) return halves;
-  const double low_end = *std::next(values.begin(), static_cast<std::ptrdiff_t>(half) - 1);
-  const double high_begin = *std::prev(values.end(), static_cast<std::ptrdiff_t>(half));
-  for (const SweepPointResult* point : hypercube) {
-    const double value = *value_of(*point, parameter);
-    if (value <= low_end) count_point(point->rankings[ranking], halves.low);
-    if (value >= high_begin) count_point(point->rankings[ranking], halves.high);
+  RankingHalves halves{parameter, {}};
+  const PointSplit split = split_of(hypercube, parameter);
+  halves.parts.resize(split.parts);
+  if (sweep_parameters()[parameter].words.empty()) {
+    halves.parts[0].name = "low half";
+    halves.parts[1].name = "high half";
+  }
+  for (std::size_t i = 0; i < hypercube.size(); ++i) {
+    if (!split.part_of[i]) continue;
+    RankingHalves::Part& part = halves.parts[*split.part_of[i]];
+    if (part.name.empty())
+      part.name = sweep_value_text(parameter, *value_of(*hypercube[i], parameter));
+    count_point(hypercube[i]->rankings[ranking], part.share);
   }
   return halves;
+}
+
+// The p of the largest difference, over the testable points. Points keep their places in the parts.
+double p_of(const std::vector<const SweepPointResult*>& hypercube, std::size_t ranking,
+            const std::vector<std::size_t>& parameters) {
+  std::vector<bool> holds;
+  std::vector<PointSplit> splits;
+  for (const SweepPointResult* point : hypercube) {
+    if (point->rankings[ranking].holds) holds.push_back(*point->rankings[ranking].holds);
+  }
+  for (const std::size_t parameter : parameters) {
+    PointSplit split = split_of(hypercube, parameter);
+    std::vector<std::optional<std::size_t>> testable;
+    for (std::size_t i = 0; i < hypercube.size(); ++i) {
+      if (hypercube[i]->rankings[ranking].holds) testable.push_back(split.part_of[i]);
+    }
+    split.part_of = std::move(testable);
+    splits.push_back(std::move(split));
+  }
+  return largest_difference_p(splits, std::move(holds), sweep_rankings()[ranking].name);
 }
 
 RankingResult result_of(const std::vector<const SweepPointResult*>& hypercube, std::size_t ranking,
@@ -91,13 +139,14 @@ RankingResult result_of(const std::vector<const SweepPointResult*>& hypercube, s
   for (const SweepPointResult* point : hypercube) count_point(point->rankings[ranking], result.all);
   double largest = 0.0;
   for (const std::size_t parameter : parameters) {
-    const RankingHalves halves = halves_of(hypercube, ranking, parameter);
+    RankingHalves halves = halves_of(hypercube, ranking, parameter);
     const double size = std::abs(halves.difference().value_or(0.0));
-    if (size > largest) result.decisive.clear();
-    if (size > 0.0 && size >= largest) result.decisive.push_back(result.halves.size());
+    if (size > largest) result.most_different.clear();
+    if (size > 0.0 && size >= largest) result.most_different.push_back(result.halves.size());
     largest = std::max(largest, size);
-    result.halves.push_back(halves);
+    result.halves.push_back(std::move(halves));
   }
+  if (!result.most_different.empty()) result.p = p_of(hypercube, ranking, parameters);
   return result;
 }
 
@@ -110,7 +159,8 @@ SweepMean sweep_mean(const SweepPointResult& point, std::size_t outcome, std::si
   const auto each = [&](auto use) {
     for (const SweepRow& row : point.rows) {
       const bool is_here = row.haptic == haptic && row.rotation == rotation;
-      if (is_here && row.means[outcome]) use(*row.means[outcome]);
+      const auto value = is_here ? sweep_cell_mean(row, outcome) : std::nullopt;
+      if (value) use(*value);
     }
   };
   each([&](double value) {
@@ -126,14 +176,34 @@ SweepMean sweep_mean(const SweepPointResult& point, std::size_t outcome, std::si
   return found;
 }
 
+SweepTrials trials_of(const SweepPointResult& point) {
+  SweepTrials counts;
+  for (const SweepRow& row : point.rows) {
+    counts.trials += row.trials;
+    counts.done += row.done;
+  }
+  return counts;
+}
+
 std::optional<double> RankingShare::share() const {
   if (points == 0) return std::nullopt;
   return static_cast<double>(holds) / points;
 }
 
 std::optional<double> RankingHalves::difference() const {
-  if (!low.share() || !high.share()) return std::nullopt;
-  return *high.share() - *low.share();
+  std::vector<double> shares;
+  for (const Part& part : parts) {
+    if (part.share.share()) shares.push_back(*part.share.share());
+  }
+  if (shares.size() < 2) return std::nullopt;
+  if (parts.size() == 2) return shares.back() - shares.front();
+  const auto [smallest, largest] = std::minmax_element(shares.begin(), shares.end());
+  return *largest - *smallest;
+}
+
+std::vector<std::size_t> RankingResult::decisive() const {
+  constexpr double kChance = 0.05;
+  return p && *p < kChance ? most_different : std::vector<std::size_t>();
 }
 
 int SweepAnalysis::point_count(SweepBlock block) const {

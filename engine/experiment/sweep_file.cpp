@@ -35,6 +35,11 @@ std::optional<Error> check_base_plan(const ExperimentPlan& plan) {
     return refused(key, "is a list of " + std::to_string(count) + "; expected one level",
                    "name it among /parameters to vary it");
   };
+  // First, because the view decides what other keys may be.
+  if (plan.views != std::vector<View>{View::kTurning}) {
+    return refused("view", "is not [\"turning\"]; expected it alone",
+                   "the followings that a sweep varies are those of this view");
+  }
   if (!plan.strategies.empty()) {
     return refused("strategies", "is present; expected haptic and rotation",
                    "every point compares the six conditions of haptic and rotation");
@@ -51,10 +56,6 @@ std::optional<Error> check_base_plan(const ExperimentPlan& plan) {
     return refused("practice_blocks", "is 1; expected 0", "a sweep does not analyse practice");
   }
   if (plan.followings.size() != 1) return one("followings", plan.followings.size());
-  if (plan.views != std::vector<View>{View::kTurning}) {
-    return refused("view", "is not [\"turning\"]; expected it alone",
-                   "the followings that a sweep varies are those of this view");
-  }
   if (plan.start_orientation_deg.size() != 1) {
     return one("start_orientation_deg", plan.start_orientation_deg.size());
   }
@@ -199,6 +200,12 @@ Result<Sweep> parse_sweep(std::string_view text, const std::string& path,
   if (!json) return json.error();
   const auto literature = load_operator("literature");
   if (!literature) return literature.error();
+  if (json->is_object() && json->contains("palpate_plan") && !json->contains("palpate_sweep")) {
+    Error error = sweep_error("/palpate_plan", "is the key of a plan; expected palpate_sweep",
+                              "`palpate experiment run` runs a plan");
+    error.path = path;
+    return error;
+  }
   Sweep sweep;
   sweep.path = path;
   ObjectReader reader(*json, "");

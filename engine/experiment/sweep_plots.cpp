@@ -18,13 +18,14 @@ constexpr double kFigureWidth = 460.0;
 constexpr double kFigureLeft = 84.0, kFigureRight = 446.0;
 constexpr double kFirstTop = 26.0;
 constexpr double kPanelHeight = 166.0, kPanelGap = 26.0;
-constexpr double kBelowPanels = 74.0;  // ticks and name of the horizontal axis
+constexpr double kBelowPanels = 92.0;  // ticks and name of the horizontal axis
 constexpr double kKeyHeight = 74.0;
 constexpr int kFigureFontPx = 14;
 
 constexpr double kConditionDodge = 0.05;  // between conditions, in levels
 constexpr double kSweepMargin = 0.08;     // of the vertical range
 constexpr const char* kFlipColour = "#9c3f00";
+constexpr const char* kMissingColour = "#eeeeee";
 
 double panel_top(std::size_t panel) {
   return kFirstTop + static_cast<double>(panel) * (kPanelHeight + kPanelGap);
@@ -101,6 +102,10 @@ void put_ticks_of_levels(const SweepAnalysis& analysis, const SweepAxis& axis, b
     const SweepRow& row = analysis.points[axis.points[i]].rows.front();
     std::string text = sweep_value_text(axis.parameter, *row.values[axis.parameter]);
     if (row.block == SweepBlock::kBase) text += "\\n(base)";  // a line break of gnuplot
+    const SweepTrials trials = trials_of(analysis.points[axis.points[i]]);
+    if (trials.done < trials.trials) {
+      text += "\\n" + std::to_string(trials.done) + "/" + std::to_string(trials.trials);
+    }
     out << (i > 0 ? ", " : "") << "\"" << (is_last ? text : "") << "\" " << i;
   }
   out << ")\n";
@@ -118,7 +123,8 @@ void put_flips(const SweepAnalysis& analysis, const SweepAxis& axis, std::size_t
       ++level;
     }
     std::string& label = labels[level];
-    label += (label.empty() ? "" : ", ") + std::to_string(i + 1);
+    const std::string number = std::to_string(i + 1);
+    label += (label.empty() ? "" : ", ") + (flips[i].is_clear ? number : "(" + number + ")");
     clear[level] = clear[level] || flips[i].is_clear;
   }
   for (const auto& [level, label] : labels) {
@@ -127,6 +133,17 @@ void put_flips(const SweepAnalysis& analysis, const SweepAxis& axis, std::size_t
         << kFlipColour << "' dt " << (clear[level] ? 1 : 2) << "\nset label "
         << gnuplot_quoted(label) << " at " << x << ", graph 1.06 center tc rgb '" << kFlipColour
         << "'\n";
+  }
+}
+
+// Shades the levels at which trials are missing.
+void put_missing(const SweepAnalysis& analysis, const SweepAxis& axis, std::ostringstream& out) {
+  for (std::size_t i = 0; i < axis.points.size(); ++i) {
+    const SweepTrials trials = trials_of(analysis.points[axis.points[i]]);
+    if (trials.done == trials.trials) continue;
+    const double x = static_cast<double>(i);
+    out << "set object rectangle from " << x - 0.5 << ", graph 0 to " << x + 0.5
+        << ", graph 1 behind fs solid noborder fc rgb '" << kMissingColour << "'\n";
   }
 }
 
@@ -153,7 +170,7 @@ void put_names(const SweepAxis& axis, std::size_t outcome, double top, bool is_l
     return;
   }
   out << "set label " << gnuplot_quoted(sweep_parameter_title(axis.parameter)) << " at "
-      << on_screen(0.5 * (kFigureLeft + kFigureRight), bottom + 62.0) << " center\n"
+      << on_screen(0.5 * (kFigureLeft + kFigureRight), bottom + 80.0) << " center\n"
       << "set key at " << on_screen(14.0, bottom + kBelowPanels)
       << " left top Left reverse vertical maxrows 3 samplen 2.6 spacing 1.2 width 4\n";
 }
@@ -181,9 +198,10 @@ void put_panel(const SweepAnalysis& analysis, const SweepAxis& axis, std::size_t
   const PanelRows rows = panel_rows(analysis, axis, outcome);
   const bool is_last = outcome + 1 == kSweepOutcomes.size();
   const double top = panel_top(outcome);
-  out << "unset label\nunset arrow\n";
+  out << "unset label\nunset arrow\nunset object\n";
   put_range(rows, top, axis.points.size(), out);
   put_ticks_of_levels(analysis, axis, is_last, out);
+  put_missing(analysis, axis, out);
   put_flips(analysis, axis, outcome, out);
   put_names(axis, outcome, top, is_last, out);
   put_curves(rows, outcome, out);

@@ -56,32 +56,44 @@ SweepRanking a4_improves(Outcome outcome) {
   return ranking;
 }
 
-// The means of a participant in the six cells.
-using CellMeans =
-    std::array<std::array<std::optional<double>, kRotationNames.size()>, kHapticNames.size()>;
+// The rows of a participant in the six cells; null: missing.
+using CellRows =
+    std::array<std::array<const SweepRow*, kRotationNames.size()>, kHapticNames.size()>;
 
-std::optional<double> level_mean(const SweepRanking::Level& level, const CellMeans& means) {
+std::optional<double> level_mean(const SweepRanking::Level& level, std::size_t outcome,
+                                 const CellRows& rows) {
   double sum = 0.0;
   for (const SweepRanking::Cell& cell : level.cells) {
-    const auto& mean = means[cell.haptic][cell.rotation];
+    const SweepRow* const row = rows[cell.haptic][cell.rotation];
+    const auto mean = row ? sweep_cell_mean(*row, outcome) : std::nullopt;
     if (!mean) return std::nullopt;
     sum += *mean;
   }
   return sum / static_cast<double>(level.cells.size());
 }
 
+// Whether a participant completed a trial of any cell of the ranking.
+bool has_done_trial(const SweepRanking& ranking, const CellRows& rows) {
+  for (const SweepRanking::Level& level : ranking.ascending) {
+    for (const SweepRanking::Cell& cell : level.cells) {
+      const SweepRow* const row = rows[cell.haptic][cell.rotation];
+      if (row && row->done > 0) return true;
+    }
+  }
+  return false;
+}
+
 // The values of the levels, one list for each complete participant.
 std::vector<std::vector<double>> complete_values(const SweepRanking& ranking,
                                                  std::span<const SweepRow> rows) {
-  std::map<int, CellMeans> participants;
-  for (const SweepRow& row : rows) {
-    participants[row.participant][row.haptic][row.rotation] = row.means[ranking.outcome];
-  }
+  std::map<int, CellRows> participants;
+  for (const SweepRow& row : rows) participants[row.participant][row.haptic][row.rotation] = &row;
   std::vector<std::vector<double>> all;
-  for (const auto& [participant, means] : participants) {
+  for (const auto& [participant, cells] : participants) {
+    if (!has_done_trial(ranking, cells)) continue;
     std::vector<double> values;
     for (const SweepRanking::Level& level : ranking.ascending) {
-      const auto mean = level_mean(level, means);
+      const auto mean = level_mean(level, ranking.outcome, cells);
       if (mean) values.push_back(*mean);
     }
     if (values.size() == ranking.ascending.size()) all.push_back(std::move(values));

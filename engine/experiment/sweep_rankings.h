@@ -36,7 +36,10 @@ struct SweepRanking {
 // the condition UaH. The paper reports the latter for the contact angle.
 const std::vector<SweepRanking>& sweep_rankings();
 
-// A ranking at a point. Participants count if they completed a trial in each cell of the ranking.
+// A ranking at a point. Participants count if each cell of the ranking has a value
+// (sweep_cell_mean): they completed all trials of these cells; for the total time, a trial may also
+// have ended by the time limit, but not all of them. All conditions are thus compared by the same
+// trials.
 struct RankingAtPoint {
   int participants = 0;
   std::vector<double>

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <set>
+#include <sstream>
 
 #include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/sweep_plots.h"
@@ -16,10 +19,13 @@ namespace palpate {
 namespace {
 
 constexpr const char* kSweepPage = "report.html";
-constexpr const char* kSweepJson = "sweep.json";
+constexpr const char* kSweepJson = "sweep_results.json";
 constexpr const char* kSharesSentence =
     "Shares are of our ranges, not of people: they say at how many drawn hands and devices a "
     "ranking holds, and nobody knows how people are spread over these ranges.";
+constexpr const char* kChanceSentence =
+    "By chance alone, as if coins decided, an order of two conditions holds at 1/2 of the points, "
+    "and an order of three at 1/6.";
 
 // Added to the style of all reports.
 constexpr std::string_view kSweepStyle = R"css(
@@ -31,33 +37,47 @@ constexpr std::string_view kSweepStyle = R"css(
 .axes ol { margin: .2rem 0; padding-left: 1.4rem; font-size: .9rem; }
 .unclear { color: var(--quiet); }
 details > summary { cursor: pointer; color: #0057a3; margin: .8rem 0; }
-.halves td, .halves th { padding: .25rem .45rem; }
+.parts { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: .75rem 1.5rem; }
+.parts h3 { margin: .6rem 0 .2rem; }
+.parts td, .parts th { padding: .25rem .45rem; font-size: .9rem; }
 td strong.decides { color: #0057a3; }
 .advice td:nth-child(2) { min-width: 6em; }
 @media (max-width: 800px) {
-  .axes { grid-template-columns: minmax(0, 1fr); }
+  .axes, .parts { grid-template-columns: minmax(0, 1fr); }
   .advice .statement { display: none; }
 }
 )css";
 
+// "71 %"; "> 99 %" and "< 1 %" for shares that are not 1 or 0 but would be rounded to them.
 std::string percent(double share) {
-  return std::to_string(static_cast<int>(std::lround(100.0 * share))) + " %";
+  const long rounded = std::lround(100.0 * share);
+  if (rounded == 100 && share < 1.0) return "> 99 %";
+  if (rounded == 0 && share > 0.0) return "< 1 %";
+  return std::to_string(rounded) + " %";
 }
-std::string percent(const std::optional<double>& share) {
-  return share ? percent(*share) : "-";
+// "71 % of 50"
+std::string part_text(const RankingShare& share) {
+  if (!share.share()) return "not testable";
+  return percent(*share.share()) + " of " + std::to_string(share.points);
 }
 
 std::string paragraph(const std::string& text) {
   return html_element("p", html_escaped(text)) + "\n";
 }
 
-// "71 % (61 to 79 %) of 100 points"
+// "71 % (61 to 79 %): holds at 71 of 100 testable points; 5 of 105 not testable, because nobody
+// completed the trials"
 std::string share_text(const RankingShare& share) {
-  if (!share.share()) return "not testable";
+  const int all = share.points + share.untestable;
+  const std::string untestable = std::to_string(share.untestable) + " of " + std::to_string(all) +
+                                 " not testable, because nobody completed the trials";
+  if (!share.share()) return untestable;
   const Interval interval = share.interval();
   return percent(*share.share()) + " (" +
          std::to_string(static_cast<int>(std::lround(100.0 * interval.low))) + " to " +
-         percent(interval.high) + ") of " + std::to_string(share.points) + " points";
+         percent(interval.high) + "): holds at " + std::to_string(share.holds) + " of " +
+         std::to_string(share.points) + " testable points" +
+         (share.untestable > 0 ? "; " + untestable : "");
 }
 
 std::string symbol_text(std::size_t parameter) {
@@ -66,17 +86,32 @@ std::string symbol_text(std::size_t parameter) {
                            : std::string(of.name) + " (" + std::string(of.symbol) + ")";
 }
 
-// "sight_delay_s (tau): 80 % in the low half, 40 % in the high half"; several parameters if their
-// halves differ equally.
-std::string decisive_text(const RankingResult& result) {
+// "low half 80 % of 50, high half 40 % of 48"; "delayed 20 % of 25, frozen not testable"
+std::string parts_text(const RankingHalves& halves) {
   std::string text;
-  for (const std::size_t i : result.decisive) {
-    const RankingHalves& halves = result.halves[i];
-    text += (text.empty() ? "" : "; ") + symbol_text(halves.parameter) + ": " +
-            percent(halves.low.share()) + " in the low half, " + percent(halves.high.share()) +
-            " in the high half";
+  for (const RankingHalves::Part& part : halves.parts) {
+    text += (text.empty() ? "" : ", ") + part.name + " " + part_text(part.share);
   }
-  return text.empty() ? "none" : text;
+  return text.empty() ? "-" : text;
+}
+
+// "p = 0.012"
+std::string chance_text(double p) {
+  std::ostringstream text;
+  text << "p = " << std::setprecision(2) << p;
+  return text.str();
+}
+
+// "sight_delay_s (tau): low half 80 % of 50, high half 40 % of 48 (p = 0.0005)"; several parameters
+// if their parts differ equally.
+std::string decisive_text(const RankingResult& result) {
+  if (!result.p) return "none";
+  std::string text;
+  for (const std::size_t i : result.decisive()) {
+    text += (text.empty() ? "" : "; ") + symbol_text(result.halves[i].parameter) + ": " +
+            parts_text(result.halves[i]);
+  }
+  return (text.empty() ? "none beyond chance" : text) + " (" + chance_text(*result.p) + ")";
 }
 
 std::string rankings_html(const SweepAnalysis& analysis, bool is_of_paper) {
@@ -94,6 +129,18 @@ std::string rankings_html(const SweepAnalysis& analysis, bool is_of_paper) {
   return table.html();
 }
 
+// What decides a point, and what Wilson's interval leaves out.
+std::string persons_sentence(const SweepAnalysis& analysis) {
+  std::set<int> persons;
+  for (const SweepRow& row : analysis.rows) {
+    if (row.block == SweepBlock::kHypercube) persons.insert(row.participant);
+  }
+  return "A point is decided by the means of " + std::to_string(persons.size()) +
+         (persons.size() == 1 ? " person, who is" : " persons, who are") +
+         " the same at all points. Wilson's interval covers the draw of the points, and not that "
+         "of the persons.";
+}
+
 std::string answer_html(const SweepAnalysis& analysis) {
   const int points = analysis.point_count(SweepBlock::kHypercube);
   return "<section class=\"advice\" id=\"answer\">\n" +
@@ -101,7 +148,9 @@ std::string answer_html(const SweepAnalysis& analysis) {
          paragraph("For each ranking that the paper reports: the share of the " +
                    std::to_string(points) +
                    " points of the hypercube at which it holds, with Wilson's 95 % interval, and "
-                   "the parameter whose halves differ most in that share.") +
+                   "the parameter whose parts differ most in that share, if p of this largest "
+                   "difference is below 0.05.") +
+         paragraph(std::string(kChanceSentence) + " " + persons_sentence(analysis)) +
          rankings_html(analysis, true) +
          html_element("h3", "Does A4 help where the force is along the motor?") + "\n" +
          paragraph(
@@ -122,6 +171,28 @@ std::string flip_html(const SweepFlip& flip) {
   return html_element("li class=\"unclear\"", html_escaped(text + " (within noise)"));
 }
 
+// "3 flips, 1 of them beyond noise"
+std::string flips_text(const std::vector<SweepFlip>& flips) {
+  const auto clear = std::count_if(flips.begin(), flips.end(),
+                                   [](const SweepFlip& flip) { return flip.is_clear; });
+  return std::to_string(flips.size()) + (flips.size() == 1 ? " flip, " : " flips, ") +
+         std::to_string(clear) + " of them beyond noise";
+}
+
+// "Trials are missing: 40 of 120 done at frozen."; empty if none is.
+std::string missing_text(const SweepAnalysis& analysis, const SweepAxis& axis) {
+  std::string text;
+  for (const std::size_t place : axis.points) {
+    const SweepPointResult& point = analysis.points[place];
+    const SweepTrials trials = trials_of(point);
+    if (trials.done == trials.trials) continue;
+    text += (text.empty() ? "Trials are missing: " : ", ") + std::to_string(trials.done) + " of " +
+            std::to_string(trials.trials) + " done at " +
+            sweep_value_text(axis.parameter, *point.rows.front().values[axis.parameter]);
+  }
+  return text.empty() ? text : text + ".";
+}
+
 std::string axis_html(const SweepAnalysis& analysis, const SweepAxis& axis,
                       std::vector<std::string>& warnings) {
   const std::string name(sweep_parameters()[axis.parameter].name);
@@ -135,11 +206,13 @@ std::string axis_html(const SweepAnalysis& analysis, const SweepAxis& axis,
     warnings.push_back("the figure of " + name + " is missing: " + svg.error().to_string());
     out += paragraph("This figure could not be drawn; one_at_a_time.csv has its numbers.");
   }
+  const std::string missing = missing_text(analysis, axis);
+  if (!missing.empty()) out += paragraph(missing);
   const auto flips = flips_along(analysis, axis);
   if (flips.empty()) {
     return out + html_element("figcaption", "No ranking flips.") + "\n</figure>\n";
   }
-  out += html_element("figcaption", "Rankings that flip:") + "\n<ol>\n";
+  out += html_element("figcaption", html_escaped(flips_text(flips) + ":")) + "\n<ol>\n";
   for (const SweepFlip& flip : flips) out += flip_html(flip) + "\n";
   return out + "</ol>\n</figure>\n";
 }
@@ -148,39 +221,47 @@ std::string axes_html(const SweepAnalysis& analysis, std::vector<std::string>& w
   std::string out =
       "<section id=\"one-at-a-time\">\n<h2>One parameter at a time</h2>\n" +
       paragraph(
-          "Each figure has the means over participants at the levels of one parameter, with "
+          "In all, " + flips_text(analysis.flips) +
+          ". Each figure has the means over participants at the levels of one parameter, with "
           "their standard deviations over participants; everything else is as in the base "
           "plan. Levels have equal distances. The colour states the force; open points and "
-          "dashed lines are without rotation. A vertical line marks where a ranking flips, "
-          "with its number in the list below the figure: solid if the 95 % intervals of the "
-          "paired differences at both levels exclude 0, dashed if the flip is within the "
-          "noise of so few persons.") +
+          "dashed lines are without rotation. A vertical line marks where a ranking flips "
+          "against the last level at which it is testable, with its number in the list below the "
+          "figure: a solid line if the 95 % intervals of the paired differences at both levels "
+          "exclude 0; a dashed line and a number in parentheses if the flip is within the noise "
+          "of so few persons. At a shaded level, trials are missing: its means are over the "
+          "persons who completed all trials of a condition, and the total time counts the limit "
+          "for a timeout.") +
       "<div class=\"axes\">\n";
   for (const SweepAxis& axis : analysis.axes) out += axis_html(analysis, axis, warnings);
   return out + "</div>\n</section>\n";
 }
 
-std::string halves_html(const SweepAnalysis& analysis) {
-  std::vector<std::string> heads{"parameter"};
-  for (const SweepRanking& ranking : sweep_rankings()) heads.push_back(ranking.name);
-  HtmlTable table(heads);
-  for (std::size_t i = 0; i < analysis.parameters.size(); ++i) {
-    std::vector<std::string> cells{html_escaped(symbol_text(analysis.parameters[i]))};
-    for (const RankingResult& result : analysis.rankings) {
-      const RankingHalves& halves = result.halves[i];
-      const std::string text =
-          html_escaped(percent(halves.low.share()) + " \u2192 " + percent(halves.high.share()));
-      const bool decides =
-          std::find(result.decisive.begin(), result.decisive.end(), i) != result.decisive.end();
-      cells.push_back(decides ? html_element("strong class=\"decides\"", text) : text);
-    }
-    table.row(cells);
+std::string ranking_parts_html(const SweepRanking& ranking, const RankingResult& result) {
+  const auto decisive = result.decisive();
+  HtmlTable table({"parameter", "holds at"}, 2);
+  for (std::size_t i = 0; i < result.halves.size(); ++i) {
+    const std::string text = html_escaped(parts_text(result.halves[i]));
+    const bool decides = std::find(decisive.begin(), decisive.end(), i) != decisive.end();
+    table.row({html_escaped(symbol_text(result.halves[i].parameter)),
+               decides ? html_element("strong class=\"decides\"", text) : text});
   }
-  return "<section class=\"halves\" id=\"halves\">\n<h2>The halves of the hypercube</h2>\n" +
+  return "<div>\n" + html_element("h3", html_escaped(ranking.name + ": " + ranking.order())) +
+         "\n" + table.html() + "</div>\n";
+}
+
+std::string halves_html(const SweepAnalysis& analysis) {
+  std::string tables;
+  for (std::size_t i = 0; i < analysis.rankings.size(); ++i) {
+    tables += ranking_parts_html(sweep_rankings()[i], analysis.rankings[i]);
+  }
+  return "<section id=\"halves\">\n<h2>The halves of the hypercube</h2>\n" +
          paragraph(
-             "The share of points at which a ranking holds, in the low and in the high half "
-             "of each parameter. Bold: the parameter whose halves differ most.") +
-         table.html() + "</section>\n";
+             "The share of testable points at which a ranking holds, in the low and in the high "
+             "half of each parameter, or at each of its words, and their number of points. Bold: "
+             "the parameter whose parts "
+             "differ most, if p of this largest difference is below 0.05.") +
+         "<div class=\"parts\">\n" + tables + "</div>\n</section>\n";
 }
 
 std::string explained(const std::string& title, const std::string& text) {
@@ -191,23 +272,28 @@ std::string reading_html() {
   return "<section id=\"reading\">\n<h2>How to read this</h2>\n" +
          explained("A ranking",
                    "is an order of two or three conditions by the mean of a measure over "
-                   "participants. A participant counts if it completed a trial in each cell of the "
-                   "ranking: in all six for rankings of Haptic and of Rotation, in both of UaH for "
-                   "the contact angle and for the rankings of A4. The ranking holds if each mean "
-                   "is below the next. The paper finds no effect of Rotation on the penetration, "
-                   "so that this is no ranking.") +
+                   "participants. For losses, penetration and angle, a participant counts at a "
+                   "point only if all trials of all cells of the ranking were done: of all six for "
+                   "rankings of Haptic and of Rotation, of both of UaH for the contact angle and "
+                   "for the rankings of A4. All conditions are then compared by the same objects. "
+                   "The total time counts a timeout with the time limit, and a participant counts "
+                   "with one done trial or more. A fault leaves a participant out. The ranking "
+                   "holds if each mean is below the next. The paper finds no effect of Rotation on "
+                   "the penetration, so that this is no ranking.") +
          explained("The halves",
                    "of a parameter are the points with the first half of its values in ascending "
                    "order and those with the last half. The middle of an odd number of values "
-                   "belongs to neither. Words are in the order of the tables: delayed, predict, "
-                   "replan, frozen; nearest, forward.") +
+                   "belongs to neither. Each word of following and align is a part of its own.") +
          explained("The parameter that decides most",
-                   "is the largest of many differences, some of which are chance: with 100 points, "
-                   "halves of equal shares differ by 20 points of a percent or more in one of "
-                   "twenty.") +
+                   "has the largest of many differences. A permutation test states p: the share "
+                   "of 2,000 random deals of the same results to the points in which the largest "
+                   "difference of all parameters is as large. If p is 0.05 or more, no parameter "
+                   "decides beyond chance.") +
          explained("Missing trials.",
-                   "Means are over the trials that ended at the red sphere. Where many do not, "
-                   "they are means of the easier trials. sweep.csv has the numbers.") +
+                   "The means in sweep.csv are over the trials that ended at the red sphere. Where "
+                   "many do not, they are means of the easier trials; rankings and figures leave "
+                   "such persons out, or count the time limit. A ranking is not testable at a "
+                   "point where no person counts.") +
          explained("The persons and their random numbers",
                    "are the same at all points, apart from what a point sets.") +
          "</section>\n";
@@ -295,7 +381,7 @@ std::string sweep_text(const SweepAnalysis& analysis) {
     text += "  " + ranking.name + " (" + ranking.order() + "): " + share_text(result.all) +
             "; decides most: " + decisive_text(result) + "\n";
   }
-  return text + kSharesSentence + "\n";
+  return text + kChanceSentence + " " + persons_sentence(analysis) + "\n" + kSharesSentence + "\n";
 }
 
 }  // namespace palpate

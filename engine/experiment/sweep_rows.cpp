@@ -20,7 +20,7 @@ std::string joined_sweep_columns() {
   for (const SweepParameter& parameter : sweep_parameters()) {
     text.append(",").append(parameter.name);
   }
-  text += ",participant,haptic,rotation,trials,done,timeouts,faults";
+  text += ",participant,haptic,rotation,trials,done,timeouts,faults,limit_s";
   for (const Outcome outcome : kSweepOutcomes) {
     text.append(",").append(outcome_text(outcome).column);
   }
@@ -70,6 +70,10 @@ class SweepLine {
 
   void whole(int& value) {
     const auto number = parsed<int>("a whole number");
+    if (number) value = *number;
+  }
+  void number(double& value) {
+    const auto number = parsed<double>("a number");
     if (number) value = *number;
   }
   void number(std::optional<double>& value) {
@@ -157,6 +161,7 @@ Result<SweepRow> row_of(SweepLine line) {
   required(kHapticNames, row.haptic);
   required(kRotationNames, row.rotation);
   for (int* const count : {&row.trials, &row.done, &row.timeouts, &row.faults}) line.whole(*count);
+  line.number(row.limit_s);
   for (auto& mean : row.means) line.number(mean);
   if (line.error()) return *line.error();
   return row;
@@ -191,8 +196,17 @@ const std::string& sweep_columns() {
   return columns;
 }
 
+std::optional<double> sweep_cell_mean(const SweepRow& row, std::size_t outcome) {
+  const std::optional<double>& mean = row.means[outcome];
+  if (row.trials == 0 || row.faults > 0 || (row.done > 0 && !mean)) return std::nullopt;
+  if (row.timeouts == 0) return mean;
+  if (kSweepOutcomes[outcome] != Outcome::kTime) return std::nullopt;
+  const double sum_s = mean.value_or(0.0) * row.done + row.limit_s * row.timeouts;
+  return sum_s / (row.done + row.timeouts);
+}
+
 std::vector<SweepRow> sweep_rows(int number, const SweepPoint& point,
-                                 std::span<const TrialRow> trials) {
+                                 std::span<const TrialRow> trials, double limit_s) {
   std::map<std::tuple<int, std::size_t, std::size_t>, std::vector<TrialRow>> cells;
   for (const TrialRow& trial : trials) {
     cells[{std::stoi(trial.participant), place_in(kHapticNames, trial.haptic),
@@ -211,6 +225,7 @@ std::vector<SweepRow> sweep_rows(int number, const SweepPoint& point,
     row.done = count_of(of_cell, TrialStatus::kDone);
     row.timeouts = count_of(of_cell, TrialStatus::kTimeout);
     row.faults = count_of(of_cell, TrialStatus::kFault);
+    row.limit_s = limit_s;
     for (std::size_t i = 0; i < kSweepOutcomes.size(); ++i) {
       row.means[i] = mean_of(of_cell, kSweepOutcomes[i]);
     }
@@ -225,6 +240,7 @@ void add_sweep_row(CsvLines& lines, const SweepRow& row) {
   for (std::size_t i = 0; i < kSweepParameterCount; ++i) add_value(lines, i, row.values[i]);
   lines.add(row.participant).add(kHapticNames[row.haptic]).add(kRotationNames[row.rotation]);
   lines.add(row.trials).add(row.done).add(row.timeouts).add(row.faults);
+  lines.add(row.limit_s);
   for (const auto& mean : row.means) {
     if (mean) {
       lines.add(*mean);

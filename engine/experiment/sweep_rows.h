@@ -32,17 +32,25 @@ struct SweepRow {
   std::size_t haptic = 0;    // index into kHapticNames
   std::size_t rotation = 0;  // index into kRotationNames
   int trials = 0, done = 0, timeouts = 0, faults = 0;
+  double limit_s = 0.0;                                            // the time of a timeout
   std::array<std::optional<double>, kSweepOutcomes.size()> means;  // in the order of kSweepOutcomes
 };
 
 // The first line: point, block, parameter (that varies; empty in the other blocks), the parameters
 // (empty: each participant has its own value), participant, haptic, rotation, trials, done,
-// timeouts, faults, and the measures with their names in trials.csv.
+// timeouts, faults, limit_s, and the measures with their names in trials.csv.
 const std::string& sweep_columns();
 
-// The rows of a point, by participant and condition, from its trials (trials.csv).
+// The value of a row in rankings and figures, by the index of a measure in kSweepOutcomes. It does
+// not depend on which trials a condition makes too hard to complete. The total time counts the
+// limit for a timeout. The other measures have a value only if all trials were done. No measure has
+// a value if a trial ended with a fault.
+std::optional<double> sweep_cell_mean(const SweepRow& row, std::size_t outcome);
+
+// The rows of a point, by participant and condition, from its trials (trials.csv). limit_s: the
+// time limit of these trials.
 std::vector<SweepRow> sweep_rows(int number, const SweepPoint& point,
-                                 std::span<const TrialRow> trials);
+                                 std::span<const TrialRow> trials, double limit_s);
 void add_sweep_row(CsvLines& lines, const SweepRow& row);
 
 // Reads sweep.csv as add_sweep_row() writes it. Errors, with the line and the column: any other

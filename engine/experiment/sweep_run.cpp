@@ -5,11 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/experiment/canonical_run.h"
 #include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/experiment_merge.h"
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/participant_run.h"
 #include "engine/experiment/run_identity.h"
+#include "engine/experiment/strict_json.h"
 #include "engine/experiment/sweep_analysis.h"
 #include "engine/experiment/sweep_report.h"
 #include "engine/experiment/sweep_rows.h"
@@ -57,7 +59,8 @@ Result<std::optional<UnitRun>> run_point(const Sweep& sweep, int number, const S
   if (!rows) return rows.error();
   CsvLines lines("");
   lines.clear();
-  for (const SweepRow& row : sweep_rows(number, point, *rows)) add_sweep_row(lines, row);
+  for (const SweepRow& row : sweep_rows(number, point, *rows, plan.trial.limit_s))
+    add_sweep_row(lines, row);
   run.rows = lines.text();
   return std::optional<UnitRun>(std::move(run));
 }
@@ -81,6 +84,27 @@ DealtRun dealt_sweep(const Sweep& sweep, const std::vector<SweepPoint>& points,
     return run_point(sweep, number, point_of(number), scenes, functions, after_trial);
   };
   return run;
+}
+
+// An error if a result would replace the file of the sweep.
+std::optional<Error> check_input_is_kept(const Sweep& sweep, const std::string& out_folder) {
+  for (const std::string& name : sweep_result_names()) {
+    std::error_code failed;
+    const fs::path result = fs::path(out_folder) / name;
+    if (!fs::equivalent(result, sweep.path, failed)) continue;
+    return Error{ErrorCode::kFileUnwritable, sweep.path, "",
+                 "is the sweep, but the result " + name + " would replace it",
+                 "rename it, or choose another folder"};
+  }
+  return std::nullopt;
+}
+
+// The results of other kinds in the folder that those of a sweep do not overwrite.
+std::vector<std::string> results_of_other_kinds_in(const std::string& folder) {
+  std::vector<std::string> names = experiment_results_in(folder);
+  for (std::string& name : canonical_results_in(folder)) names.push_back(std::move(name));
+  if (!names.empty()) names.emplace_back(kColumnsFile);
+  return names;
 }
 
 MergedSweep counts_of(const SweepAnalysis& analysis) {
@@ -109,6 +133,7 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
                                const TrialFunctions& functions,
                                const std::function<void(const RunProgress&)>& progress,
                                const StopFlag* stop) {
+  if (auto error = check_input_is_kept(sweep, settings.out_folder)) return *error;
   const std::vector<SweepPoint> points = sweep_points(sweep);
   const auto scenes = load_sweep_scenes(sweep, points, functions);
   if (!scenes) return scenes.error();
@@ -122,6 +147,17 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
   return outcome;
 }
 
+std::vector<std::string> sweep_result_names_in(const std::string& folder) {
+  const auto text = read_settings_text((fs::path(folder) / kRunFile).string());
+  if (!text) return {};
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  const bool is_run = json.is_object() && json.contains("palpate_run") && json.contains("kind");
+  if (!is_run || json["kind"] != "sweep") return {};
+  std::vector<std::string> names = sweep_result_names();
+  std::erase(names, kRunFile);
+  return names;
+}
+
 Result<MergedSweep> merge_sweep(const std::vector<std::string>& folders,
                                 const std::string& out_folder) {
   const auto joined =
@@ -133,12 +169,17 @@ Result<MergedSweep> merge_sweep(const std::vector<std::string>& folders,
   const SweepAnalysis analysis = analyse_sweep(std::move(*rows));
   MergedSweep merged = counts_of(analysis);
   merged.text = sweep_text(analysis);
+  if (merged.done == 0) {
+    merged.warnings.emplace_back(
+        "no trial ended at the red sphere, so that no ranking is testable");
+  }
   std::vector<std::pair<std::string, std::string>> texts{{kSweepFile, text}};
   for (auto& file : sweep_report(analysis, joined->identity, merged.warnings)) {
     texts.push_back(std::move(file));
   }
   texts.emplace_back(kRunFile, sweep_run_json(joined->identity, merged));
-  if (auto error = write_results(out_folder, texts)) return *error;
+  const auto obsolete = results_of_other_kinds_in(out_folder);
+  if (auto error = write_results(out_folder, texts, obsolete)) return *error;
   return merged;
 }
 

@@ -26,15 +26,16 @@ void add_level(const SweepAnalysis& analysis, const SweepAxis& axis, std::size_t
                ResultTable& table) {
   const SweepPointResult& of = analysis.points[point];
   const double level = *of.rows.front().values[axis.parameter];
+  const SweepTrials trials = trials_of(of);
   for (std::size_t outcome = 0; outcome < kSweepOutcomes.size(); ++outcome) {
     for (std::size_t haptic = 0; haptic < kHapticNames.size(); ++haptic) {
       for (std::size_t rotation = 0; rotation < kRotationNames.size(); ++rotation) {
         const SweepMean mean = sweep_mean(of, outcome, haptic, rotation);
-        table.rows.push_back({parameter_cell(axis.parameter), value_cell(axis.parameter, level),
-                              of.rows.front().point,
-                              name_cell(outcome_text(kSweepOutcomes[outcome]).column),
-                              name_cell(kHapticNames[haptic]), name_cell(kRotationNames[rotation]),
-                              mean.participants, cell(mean.mean), cell(mean.sd)});
+        table.rows.push_back(
+            {parameter_cell(axis.parameter), value_cell(axis.parameter, level),
+             of.rows.front().point, name_cell(outcome_text(kSweepOutcomes[outcome]).column),
+             name_cell(kHapticNames[haptic]), name_cell(kRotationNames[rotation]), trials.trials,
+             trials.done, mean.participants, cell(mean.mean), cell(mean.sd)});
       }
     }
   }
@@ -42,8 +43,8 @@ void add_level(const SweepAnalysis& analysis, const SweepAxis& axis, std::size_t
 
 ResultTable levels_table(const SweepAnalysis& analysis) {
   ResultTable table{"one_at_a_time",
-                    {"parameter", "level", "point", "measure", "haptic", "rotation", "participants",
-                     "mean", "sd"},
+                    {"parameter", "level", "point", "measure", "haptic", "rotation",
+                     "trials_of_point", "done_of_point", "participants", "mean", "sd"},
                     {}};
   for (const SweepAxis& axis : analysis.axes) {
     for (const std::size_t point : axis.points) add_level(analysis, axis, point, table);
@@ -69,7 +70,7 @@ ResultTable flips_table(const SweepAnalysis& analysis) {
 // "following align"
 std::string decisive_names(const RankingResult& result) {
   std::string names;
-  for (const std::size_t i : result.decisive) {
+  for (const std::size_t i : result.decisive()) {
     names += (names.empty() ? "" : " ") +
              std::string(sweep_parameters()[result.halves[i].parameter].name);
   }
@@ -78,31 +79,33 @@ std::string decisive_names(const RankingResult& result) {
 
 ResultTable rankings_table(const SweepAnalysis& analysis) {
   ResultTable table{"rankings",
-                    {"ranking", "order", "is_of_paper", "points", "holds", "share", "low", "high",
-                     "decisive_parameters"},
+                    {"ranking", "order", "is_of_paper", "points", "untestable", "holds", "share",
+                     "low", "high", "decisive_parameters", "p"},
                     {}};
   for (std::size_t i = 0; i < analysis.rankings.size(); ++i) {
     const SweepRanking& ranking = sweep_rankings()[i];
     const RankingResult& result = analysis.rankings[i];
     const Interval interval = result.all.interval();
+    const bool is_testable = result.all.points > 0;
+    const auto bound = [&](double value) { return is_testable ? ResultCell(value) : ResultCell(); };
     table.rows.push_back({ranking.name, ranking.order(), ranking.is_of_paper ? 1 : 0,
-                          result.all.points, result.all.holds, cell(result.all.share()),
-                          interval.low, interval.high, decisive_names(result)});
+                          result.all.points, result.all.untestable, result.all.holds,
+                          cell(result.all.share()), bound(interval.low), bound(interval.high),
+                          decisive_names(result), cell(result.p)});
   }
   return table;
 }
 
 ResultTable halves_table(const SweepAnalysis& analysis) {
-  ResultTable table{"halves",
-                    {"ranking", "parameter", "low_points", "low_holds", "low_share", "high_points",
-                     "high_holds", "high_share", "difference"},
-                    {}};
+  ResultTable table{
+      "halves", {"ranking", "parameter", "part", "points", "holds", "share", "difference"}, {}};
   for (std::size_t i = 0; i < analysis.rankings.size(); ++i) {
     for (const RankingHalves& halves : analysis.rankings[i].halves) {
-      table.rows.push_back({sweep_rankings()[i].name, parameter_cell(halves.parameter),
-                            halves.low.points, halves.low.holds, cell(halves.low.share()),
-                            halves.high.points, halves.high.holds, cell(halves.high.share()),
-                            cell(halves.difference())});
+      for (const RankingHalves::Part& part : halves.parts) {
+        table.rows.push_back({sweep_rankings()[i].name, parameter_cell(halves.parameter), part.name,
+                              part.share.points, part.share.holds, cell(part.share.share()),
+                              cell(halves.difference())});
+      }
     }
   }
   return table;

@@ -17,7 +17,7 @@ inline constexpr std::array<std::string_view, 4> kSweepTableNames = {"one_at_a_t
                                                                      "rankings", "halves"};
 
 // The means at the levels of each parameter; the flips; the shares of the hypercube at which
-// rankings hold; and these shares in the halves by each parameter.
+// rankings hold; and these shares in the halves, or at the words, of each parameter.
 std::vector<ResultTable> sweep_tables(const SweepAnalysis& analysis);
 
 // The tables as one JSON document, which begins with the name of the sweep.

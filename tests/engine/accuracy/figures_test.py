@@ -115,36 +115,46 @@ def check_groove():
 
 
 def check_sweep():
-    """The two points of each assumption and measure lie at their shares of the panel."""
+    """The halves and words of each assumption and measure lie at their shares of the panel."""
     folder = BENCHMARKS / "results/sweep"
     data = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
     picture = sweep_figure.draw(data)
     expect((folder / "a4_helps.svg").read_text(encoding="utf-8") == picture, "a4_helps.svg is up to date")
     circles = [(float(x), float(y)) for x, y in
                re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="5"', picture)]
-    columns = len(sweep_figure.MEASURES)
-    panel = ((sweep_figure.WIDTH - 2 * sweep_figure.MARGIN - sweep_figure.NAMES -
-              (columns - 1) * sweep_figure.GAP) / columns)
-    expected = []
-    for n, (_, ranking) in enumerate(sweep_figure.MEASURES):
+    marks = [float(x) + 3 for x in
+             re.findall(r'<rect x="([\d.]+)" y="[\d.]+" width="6.0" height="10.0"', picture)]
+    measures = sweep_figure.drawn(data)
+    columns = len(measures)
+    panel = sweep_figure.panel_width(measures)
+    expected, words = [], []
+    for n, (_, ranking) in enumerate(measures):
         left = sweep_figure.MARGIN + sweep_figure.NAMES + n * (panel + sweep_figure.GAP)
         for row in data["halves"]:
             if row["ranking"] == ranking:
-                expected += [left + row[half + "_holds"] / row[half + "_points"] * panel
-                             for half in ("low", "high")]
-    expect(len(expected) == 2 * columns * len(sweep_figure.ASSUMPTIONS), "all assumptions are drawn")
-    expect(all(abs(x - share) < 0.06 for (x, _), share in zip(circles, expected)),
-           "each point is at its share, to the digit that is written")
+                of = expected if row["part"] in sweep_figure.HALVES else words
+                of.append(left + row["holds"] / row["points"] * panel)
+    # Ten numbers with two halves; four words of following and two of align. Before the marks of the
+    # words, and after the circles, come those of the legend.
+    expect(len(expected) == 20 * columns and len(words) == 6 * columns, "all assumptions are drawn")
+    expect(len(circles) == len(expected) + 3 and len(marks) == len(words) + 1, "nothing else is drawn")
+    for found, shares in (([x for x, _ in circles], expected), (marks, words)):
+        expect(all(abs(x - share) < 0.06 for x, share in zip(found, shares)),
+               "each point is at its share, to the digit that is written")
     for ranking in {name for _, name in sweep_figure.MEASURES}:
         of = [row for row in data["halves"] if row["ranking"] == ranking]
-        differences = {row["parameter"]: abs(row["high_share"] - row["low_share"]) for row in of}
+        shares = {row["parameter"]: [other["share"] for other in of
+                                     if other["parameter"] == row["parameter"]] for row in of}
+        differences = {name: max(values) - min(values) for name, values in shares.items()}
         decides = next(row for row in data["rankings"] if row["ranking"] == ranking)
         most = max(differences.values())
+        expect((decides["p"] is None) == (most == 0.0), f"{ranking} has p if shares differ")
+        is_clear = most > 0.0 and decides["p"] < 0.05
         expect((decides["decisive_parameters"] or "").split() ==
-               [name for name, difference in differences.items() if difference == most > 0.0],
+               [name for name, difference in differences.items() if difference == most and is_clear],
                f"what decides {ranking} differs most")
     changed = copy.deepcopy(data)
-    changed["halves"][-1]["low_share"] = 0.123
+    changed["halves"][-1]["share"] = 0.123
     expect(sweep_figure.draw(changed) != picture, "another share gives another picture")
 
 

@@ -37,7 +37,8 @@ const std::vector<BrokenSweep>& broken_sweeps() {
   static const std::vector<BrokenSweep> all = {
       {"no object", [](Json& j) { j = Json::array(); }, "JSON", "expected an object"},
       {"format", [](Json& j) { j["palpate_sweep"] = 2; }, "/palpate_sweep", "is 2; expected 1"},
-      {"a plan in place of a sweep", [](Json& j) { j = j["plan"]; }, "/blocks", "not a known key"},
+      {"a plan in place of a sweep", [](Json& j) { j = j["plan"]; }, "/palpate_plan",
+       "is the key of a plan; expected palpate_sweep"},
       {"unknown key", [](Json& j) { j["hyper"] = 1; }, "/hyper",
        "expected palpate_sweep, name, plan, parameters or hypercube"},
       {"no name", [](Json& j) { j.erase("name"); }, "/name", "is missing"},
@@ -82,6 +83,12 @@ const std::vector<BrokenSweep>& broken_sweeps() {
        "/plan/scale", "is a list of 2"},
       {"the view still", [](Json& j) { j["plan"]["view"] = {"still"}; }, "/plan/view",
        "expected it alone"},
+      {"the view still, which has no followings",
+       [](Json& j) {
+         j["plan"]["view"] = {"still"};
+         j["plan"].erase("followings");
+       },
+       "/plan/view", "expected it alone"},
       {"parameters in a list", [](Json& j) { j["parameters"] = Json::array(); }, "/parameters",
        "expected an object"},
       {"no parameter", [](Json& j) { j["parameters"] = Json::object(); }, "/parameters",
@@ -267,6 +274,22 @@ TEST_F(SweepCommandTest, RefusesFilesAndOptions) {
   expect_refused({"sweep.json", "--shard", "0/2"}, {"--shard"});
   expect_refused({"sweep.json", "--jobs", "0"}, {"--jobs"});
   expect_refused({"sweep.json", "--traces"}, {"--traces"});
+}
+
+// Each command names the other one.
+TEST_F(SweepCommandTest, APlanAndASweepNameTheCommandThatRunsThem) {
+  Json json = small_sweep_json();
+  json["plan"]["objects"]["O1"] = PALPATE_MODELS_DIR "/star.glb";
+  folder.write("plan.json", json["plan"].dump());
+  folder.write("sweep.json", json.dump());
+  expect_refused({"plan.json"}, {"`palpate experiment run` runs a plan"});
+  const test::Outcome o = run_program(folder, {"experiment", "run", "sweep.json"});
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_NE(o.err.find("`palpate experiment sweep` runs a sweep"), std::string::npos) << o.err;
+  fs::create_directory(folder.path("empty"));
+  const test::Outcome merge = run_program(folder, {"experiment", "merge", "empty"});
+  EXPECT_EQ(merge.exit_code, 2);
+  EXPECT_NE(merge.err.find("`experiment sweep --out`"), std::string::npos) << merge.err;
 }
 
 TEST_F(SweepCommandTest, BeginsItsHelpWithAnExample) {

@@ -18,7 +18,7 @@ import tempfile
 
 TASKS = 3
 RESULTS = {"run": ["trials.csv", "columns.csv", "run.json"],
-           "sweep": ["sweep.csv", "report.html", "sweep.json", "one_at_a_time.csv", "flips.csv",
+           "sweep": ["sweep.csv", "report.html", "sweep_results.json", "one_at_a_time.csv", "flips.csv",
                      "rankings.csv", "halves.csv", "run.json"]}
 
 
@@ -86,6 +86,21 @@ def check_tasks(script, command, file):
     print(f"{command}: {TASKS} tasks give the same bytes as one run")
 
 
+def check_accepted(script):
+    """A program on PATH is called with what ships, and with the shard of the task."""
+    programs = script.folder / "programs"
+    programs.mkdir()
+    program = programs / "echo_arguments"
+    program.write_text('#!/bin/sh\necho "$@"\n')
+    program.chmod(0o755)
+    for command, file in (("run", "paper"), ("run", "canonical"), ("sweep", "sweep")):
+        done = script.run(2, 3, [command, file, "out"], PALPATE="echo_arguments",
+                          SLURM_ARRAY_TASK_MIN="1", SLURM_ARRAY_TASK_MAX="3",
+                          PATH=f"{programs}:{os.environ['PATH']}")
+        expected = f"experiment {command} {file} --shard 2/3 --out out/shard-2\n"
+        check(done.stdout == expected, f"{done.stdout}{done.stderr}")
+
+
 def check_refusals(script):
     folder = script.folder
     good = ["run", "my plan.json", "out"]
@@ -105,6 +120,22 @@ def check_refusals(script):
         done = script.run(task, count, arguments)
         check(done.returncode == 2 and text in done.stderr and done.stderr.count("\n") == 1,
               f"{task} of {count}, {arguments}: code {done.returncode}\n{done.stderr}")
+    more = [
+        ((1, 2, ["run", "sweep", "out"]), {}, 'asked to run "sweep", which is a sweep'),
+        ((1, 2, ["sweep", "paper", "out"]), {}, 'asked to sweep "paper", which is a plan'),
+        ((1, 2, ["sweep", "canonical", "out"]), {}, 'asked to sweep "canonical"'),
+        ((1, 2, ["run", "my plan.json", ""]), {}, 'has the folder ""'),
+        ((1, 2, ["run", "my plan.json", "-out"]), {}, 'has the folder "-out"'),
+        (("9" * 30, 2, good), {}, 'SLURM_ARRAY_TASK_ID "999'),
+        ((2, 2, good), {"SLURM_ARRAY_TASK_MIN": "2"}, "is of an array from 2; expected --array=1-2"),
+        ((1, 2, good), {"SLURM_ARRAY_TASK_MIN": "1", "SLURM_ARRAY_TASK_MAX": "3"},
+         "is of an array of 2 tasks to 3; expected --array=1-2"),
+    ]
+    for (task, count, arguments), variables, text in more:
+        done = script.run(task, count, arguments, **variables)
+        check(done.returncode == 2 and text in done.stderr and done.stderr.count("\n") == 1,
+              f"{task} of {count}, {arguments}: code {done.returncode}\n{done.stderr}")
+    check_accepted(script)
     done = script.run(1, 2, good, PALPATE=str(folder / "no palpate"))
     check(done.returncode == 2 and "finds no program" in done.stderr, done.stderr)
     # An error of the program is that of the task.
@@ -112,7 +143,7 @@ def check_refusals(script):
     done = script.run(1, 2, ["run", "broken.json", "out"])
     check(done.returncode == 2 and "broken.json" in done.stderr, done.stderr)
     check(not (folder / "out").exists(), "a refused task has written a folder")
-    print(f"{len(cases) + 2} tasks are refused")
+    print(f"{len(cases) + len(more) + 2} tasks are refused")
 
 
 def main():

@@ -2,6 +2,7 @@
 
 #include "engine/experiment/sweep_analysis.h"
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iostream>
@@ -12,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/experiment/sweep_chance.h"
 #include "engine/experiment/sweep_plots.h"
 #include "engine/experiment/sweep_tables.h"
 #include "geometry/base/random.h"
@@ -145,6 +147,113 @@ TEST(SweepRanking, IsClearIfTheIntervalsOfPairedDifferencesExcludeZero) {
   EXPECT_FALSE(at(-2.4841).is_clear);
 }
 
+// A row of a trial that was not done has no means.
+void set_counts(SweepRow& row, int done, int timeouts, int faults) {
+  row.trials = done + timeouts + faults;
+  row.done = done;
+  row.timeouts = timeouts;
+  row.faults = faults;
+  row.limit_s = 120.0;
+  if (done == 0) row.means = {};
+}
+
+TEST(SweepCellMean, CountsTheLimitForATimeoutOfTheTimeAndNeedsAllTrialsOtherwise) {
+  SweepRow row;
+  row.means = {30.0, 5.0, 0.04, 20.0};
+  const auto expect_means = [&](std::optional<double> time_s, bool has_others) {
+    EXPECT_EQ(sweep_cell_mean(row, kTimePlace), time_s);
+    for (std::size_t o = 1; o < 4; ++o) {
+      EXPECT_EQ(sweep_cell_mean(row, o), has_others ? row.means[o] : std::nullopt);
+    }
+  };
+  set_counts(row, 4, 0, 0);
+  expect_means(30.0, true);
+  set_counts(row, 3, 1, 0);
+  expect_means((3 * 30.0 + 120.0) / 4, false);
+  set_counts(row, 3, 0, 1);
+  expect_means(std::nullopt, false);
+  set_counts(row, 2, 1, 1);
+  expect_means(std::nullopt, false);
+  set_counts(row, 0, 4, 0);
+  expect_means(120.0, false);
+  set_counts(row, 0, 0, 0);
+  expect_means(std::nullopt, false);
+}
+
+// In one cell, the trials of a hard object end by the limit. The means of the others would be
+// smaller than those of the complete cells.
+TEST(SweepRanking, ATimeoutDoesNotFavourTheConditionThatTimesOut) {
+  std::vector<SweepRow> rows;
+  add_point(rows, {}, 2,
+            [](int, std::size_t, std::size_t r, std::size_t) { return r == 1 ? 10.0 : 20.0; });
+  for (SweepRow& row : rows) {
+    const bool is_timed_out = row.participant == 1 && row.haptic == 1 && row.rotation == 1;
+    set_counts(row, is_timed_out ? 3 : 4, is_timed_out ? 1 : 0, 0);
+  }
+  const auto at = [&](const char* name) {
+    return ranking_at(sweep_rankings()[ranking_place(name)], rows);
+  };
+  EXPECT_EQ(at("losses of contact, A4 in UaH").participants, 1);
+  EXPECT_EQ(at("mean penetration, Haptic").participants, 1);
+  EXPECT_EQ(at("mean contact angle, Rotation").participants, 1);
+  const RankingAtPoint time = at("total time, A4 in UaH");
+  EXPECT_EQ(time.participants, 2);
+  EXPECT_EQ(time.means, (std::vector<double>{((3 * 10.0 + 120.0) / 4 + 10.0) / 2, 20.0}));
+  EXPECT_EQ(time.holds, false);
+}
+
+TEST(SweepRanking, IsNotTestableWhereNobodyCompletedATrial) {
+  std::vector<SweepRow> rows;
+  add_point(rows, {}, 2, [](int, std::size_t, std::size_t, std::size_t) { return 1.0; });
+  for (SweepRow& row : rows) set_counts(row, 0, 4, 0);
+  for (const SweepRanking& ranking : sweep_rankings()) {
+    EXPECT_FALSE(ranking_at(ranking, rows).holds.has_value()) << ranking.name;
+  }
+}
+
+// Two points of which one holds are in different parts: each of the two deals has the same
+// difference. Of 8 and 8 points, the parts that hold and fail are one of 12,870 deals; two of these
+// deals have the difference 1.
+TEST(SweepChance, IsTheShareOfDealsWithALargerDifference) {
+  const PointSplit two{{0, 1}, 2};
+  EXPECT_EQ(largest_difference_p({two}, {true, false}, "two"), 1.0);
+  PointSplit halves{{}, 2};
+  std::vector<bool> holds;
+  for (std::size_t i = 0; i < 16; ++i) {
+    halves.part_of.emplace_back(i / 8);
+    holds.push_back(i < 8);
+  }
+  EXPECT_LT(largest_difference_p({halves}, holds, "parted"), 0.005);
+  // Of 2 and 2 points, two of six deals part them.
+  const PointSplit four{{0, 0, 1, 1}, 2};
+  const double p = largest_difference_p({four}, {true, true, false, false}, "four");
+  EXPECT_NEAR(p, 1.0 / 3.0, 5.0 * std::sqrt(2.0 / 9.0 / 2000.0) + 1.0 / 2001.0);
+  EXPECT_EQ(largest_difference_p({four}, {true, true, false, false}, "four"), p);
+  // Three splits, one for each way to pair four points: every deal parts one of them.
+  const std::vector<PointSplit> all = {four, {{0, 1, 0, 1}, 2}, {{0, 1, 1, 0}, 2}};
+  EXPECT_EQ(largest_difference_p(all, {true, true, false, false}, "all"), 1.0);
+}
+
+// Noise decides in about one of twenty sets of noise, however many parameters there are.
+TEST(SweepChance, RarelyFindsAParameterInNoise) {
+  constexpr std::uint64_t kSeed = 17;
+  constexpr int kSets = 200;
+  std::cout << "seed " << kSeed << "\n";
+  SeededRandom random(kSeed);
+  int found = 0;
+  for (int set = 0; set < kSets; ++set) {
+    std::vector<PointSplit> splits(12, PointSplit{{}, 2});
+    std::vector<bool> holds;
+    for (int i = 0; i < 40; ++i) {
+      for (PointSplit& split : splits) split.part_of.emplace_back(random.index(2));
+      holds.push_back(random.index(2) == 0);
+    }
+    if (largest_difference_p(splits, holds, std::to_string(set)) < 0.05) ++found;
+  }
+  std::cout << found << " of " << kSets << "\n";
+  EXPECT_LE(found, kSets * 0.05 + 5.0 * std::sqrt(kSets * 0.05 * 0.95));
+}
+
 TEST(SweepMeans, HaveTheStandardDeviationOverParticipants) {
   std::vector<SweepRow> rows;
   add_point(rows, row_with(SweepBlock::kOneAtATime, kScale, kScale, 1.0), 3,
@@ -183,6 +292,23 @@ TEST(SweepFlips, AreBetweenNeighbouringLevelsWithTheBaseInItsPlace) {
     EXPECT_EQ(flip.holds_at_to, i == 1);
     EXPECT_FALSE(flip.is_clear);  // where the ranking fails, all differences are 0
   }
+}
+
+TEST(SweepFlips, CompareWithTheLastTestableLevel) {
+  std::vector<SweepRow> rows;
+  for (const double level : {0.5, 1.0, 2.0}) {
+    add_point(rows, row_with(SweepBlock::kOneAtATime, kScale, kScale, level), 3,
+              [&](int, std::size_t, std::size_t r, std::size_t o) -> std::optional<double> {
+                if (level == 1.0) return std::nullopt;
+                if (o != kAnglePlace) return 1.0;
+                return (r == 1) == (level == 0.5) ? 1.0 : 2.0;
+              });
+  }
+  const SweepAnalysis analysis = analyse_sweep(rows);
+  ASSERT_EQ(analysis.flips.size(), 1u);
+  EXPECT_EQ(analysis.flips[0].from, 0.5);
+  EXPECT_EQ(analysis.flips[0].to, 2.0);
+  EXPECT_FALSE(analysis.flips[0].holds_at_to);
 }
 
 // A ranking that holds or fails as a function of two values, among random ones.
@@ -224,27 +350,41 @@ TEST(SweepShares, AreCountedOverTheHypercubeAndItsHalves) {
     }
     return share;
   };
+  EXPECT_EQ(result.all.untestable, 1);
   const auto expect_share = [](const RankingShare& found, const RankingShare& expected) {
     EXPECT_EQ(found.points, expected.points);
     EXPECT_EQ(found.holds, expected.holds);
   };
   expect_share(result.all, count([](int) { return true; }));
   EXPECT_EQ(result.all.interval().low, wilson_interval(result.all.holds, kCount - 1).low);
-  // Of 41 different delays, the 20 lowest and the 20 highest; of three words, the first and last.
+  // Of 41 different delays, the 20 lowest and the 20 highest; of three words, each.
   std::vector<double> sorted = delays;
   std::sort(sorted.begin(), sorted.end());
   ASSERT_EQ(result.halves.size(), 2u);
-  expect_share(result.halves[0].low,
+  ASSERT_EQ(result.halves[0].parts.size(), 2u);
+  EXPECT_EQ(result.halves[0].parts[0].name, "low half");
+  EXPECT_EQ(result.halves[0].parts[1].name, "high half");
+  expect_share(result.halves[0].parts[0].share,
                count([&](int i) { return delays[static_cast<std::size_t>(i)] <= sorted[19]; }));
-  expect_share(result.halves[0].high,
+  expect_share(result.halves[0].parts[1].share,
                count([&](int i) { return delays[static_cast<std::size_t>(i)] >= sorted[21]; }));
-  expect_share(result.halves[1].low,
-               count([&](int i) { return words[static_cast<std::size_t>(i)] == 0; }));
-  expect_share(result.halves[1].high,
-               count([&](int i) { return words[static_cast<std::size_t>(i)] == 2; }));
+  const std::array<std::string, 3> names = {"delayed", "predict", "replan"};
+  std::vector<double> shares;
+  ASSERT_EQ(result.halves[1].parts.size(), names.size());
+  for (int word = 0; word < 3; ++word) {
+    const RankingHalves::Part& part = result.halves[1].parts[static_cast<std::size_t>(word)];
+    EXPECT_EQ(part.name, names[static_cast<std::size_t>(word)]);
+    expect_share(part.share,
+                 count([&](int i) { return words[static_cast<std::size_t>(i)] == word; }));
+    shares.push_back(*part.share.share());
+  }
+  std::sort(shares.begin(), shares.end());
+  EXPECT_EQ(result.halves[1].difference(), shares[2] - shares[0]);
   const bool is_delay =
       std::abs(*result.halves[0].difference()) >= std::abs(*result.halves[1].difference());
-  EXPECT_EQ(result.decisive, (std::vector<std::size_t>{is_delay ? 0u : 1u}));
+  EXPECT_EQ(result.most_different, (std::vector<std::size_t>{is_delay ? 0u : 1u}));
+  EXPECT_LT(*result.p, 0.05);
+  EXPECT_EQ(result.decisive(), result.most_different);
 }
 
 TEST(SweepShares, EqualDifferencesDecideTogether) {
@@ -268,7 +408,10 @@ TEST(SweepShares, EqualDifferencesDecideTogether) {
   const SweepAnalysis analysis = analyse_sweep(rows);
   const RankingResult& result = analysis.rankings[ranking_place("mean contact angle, Rotation")];
   ASSERT_EQ(result.halves.size(), 3u);  // speed, align and scale
-  EXPECT_EQ(result.decisive, (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(result.most_different, (std::vector<std::size_t>{1, 2}));
+  // Four points: one of three deals parts them as well.
+  EXPECT_GT(*result.p, 0.05);
+  EXPECT_TRUE(result.decisive().empty());
 }
 
 TEST(SweepShares, WithoutADifferenceNothingDecides) {
@@ -285,7 +428,8 @@ TEST(SweepShares, WithoutADifferenceNothingDecides) {
   EXPECT_EQ(result.all.share(), 1.0);
   EXPECT_EQ(result.all.interval().high, 1.0);
   EXPECT_EQ(result.halves[0].difference(), 0.0);
-  EXPECT_TRUE(result.decisive.empty());
+  EXPECT_TRUE(result.most_different.empty());
+  EXPECT_FALSE(result.p.has_value());
 }
 
 // Nobody completes a trial with force, or any at the second level.
@@ -321,7 +465,7 @@ TEST(SweepTables, HaveOneRowForEachThingTheyCount) {
   const auto tables = sweep_tables(analysis);
   ASSERT_EQ(tables.size(), kSweepTableNames.size());
   const std::map<std::string, std::size_t> expected = {
-      {"one_at_a_time", 2 * 4 * 6}, {"flips", 0}, {"rankings", 9}, {"halves", 9}};
+      {"one_at_a_time", 2 * 4 * 6}, {"flips", 0}, {"rankings", 9}, {"halves", 2 * 9}};
   for (std::size_t i = 0; i < tables.size(); ++i) {
     EXPECT_EQ(tables[i].name, kSweepTableNames[i]);
     EXPECT_EQ(tables[i].rows.size(), expected.at(tables[i].name)) << tables[i].name;

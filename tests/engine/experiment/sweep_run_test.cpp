@@ -14,6 +14,7 @@
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -124,7 +125,9 @@ TEST(SweepPoints, AreTheBaseEachOtherLevelAndTheHypercube) {
     levels[*point.varied].push_back(*point.values[*point.varied]);
     EXPECT_EQ(point.participants, 2);
     for (std::size_t i = 0; i < kSweepParameterCount; ++i) {
-      if (i != *point.varied) EXPECT_EQ(point.values[i], points.front().values[i]);
+      if (i != *point.varied) {
+        EXPECT_EQ(point.values[i], points.front().values[i]);
+      }
     }
   }
   EXPECT_EQ(levels[kSightDelay], (std::vector<double>{0.1, 0.2}));
@@ -200,7 +203,9 @@ TEST(SweepRun, EveryTrialHasTheValuesOfItsPoint) {
       ++trials;
       for (std::size_t p = 0; p < kSweepParameterCount; ++p) {
         const auto field = sweep_parameters()[p].drawn;
-        if (field && values[p]) EXPECT_EQ(person.*field, *values[p]);
+        if (field && values[p]) {
+          EXPECT_EQ(person.*field, *values[p]);
+        }
       }
       EXPECT_EQ(person.comfortable_depth_m, *values[kComfortableDepth]);
       EXPECT_EQ(setup.haptics.coupling.stiffness_N_per_m, *values[kDeviceStiffness]);
@@ -290,9 +295,12 @@ TEST(SweepRun, TheBasePointHasTheMeansOfAnExperimentWithTheBasePlan) {
     EXPECT_EQ(row.done, done);
     EXPECT_EQ(row.timeouts, timeouts);
     EXPECT_EQ(row.faults, all - done - timeouts);
+    EXPECT_EQ(row.limit_s, 120.0);
     for (std::size_t i = 0; i < 4; ++i) {
       ASSERT_EQ(row.means[i].has_value(), counts[i] > 0);
-      if (counts[i] > 0) EXPECT_EQ(*row.means[i], sums[i] / counts[i]);
+      if (counts[i] > 0) {
+        EXPECT_EQ(*row.means[i], sums[i] / counts[i]);
+      }
     }
     ++compared;
   }
@@ -390,7 +398,9 @@ TEST(SweepRun, KilledBetweenAnyTwoRenamesOfResultsIsCompletedByAnotherMerge) {
       return merge_sweep({out}, out).ok();
     }));
     // run.json is there only beside all others.
-    if (fs::exists(fs::path(out) / kRunFile)) EXPECT_EQ(sweep_results_in(out), sweep_reference());
+    if (fs::exists(fs::path(out) / kRunFile)) {
+      EXPECT_EQ(sweep_results_in(out), sweep_reference());
+    }
     ASSERT_TRUE(merge_sweep({out}, out).ok());
     EXPECT_EQ(sweep_results_in(out), sweep_reference());
   }
@@ -438,9 +448,63 @@ TEST(SweepRun, AnotherSweepOrAnExperimentInTheFolderIsReplaced) {
   ASSERT_TRUE(
       run_experiment(quick_sweep().plan, {folder.path(), {}, 1, false}, sweep_stand_in()).ok());
   EXPECT_TRUE(units_with_parts(folder.path(), "point").empty());
+  for (const std::string& name : sweep_result_names()) {
+    EXPECT_EQ(fs::exists(folder.path(name)), name == kRunFile) << name;
+  }
   EXPECT_EQ(sweep_into(folder.path()).computed.size(), static_cast<std::size_t>(kPoints));
   EXPECT_TRUE(units_with_parts(folder.path(), "participant").empty());
+  EXPECT_FALSE(fs::exists(folder.path(kTrialsFile)));
+  EXPECT_FALSE(fs::exists(folder.path("columns.csv")));
   EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
+}
+
+TEST(SweepRun, NoResultReplacesTheFileOfTheSweep) {
+  for (const std::string& name : sweep_result_names()) {
+    const TemporaryFolder folder;
+    folder.write(name, quick_sweep_json().dump());
+    Sweep sweep = quick_sweep();
+    sweep.path = folder.path("./" + name);
+    TrialFunctions functions = sweep_stand_in();
+    int trials = 0;
+    functions.run = [&, run = functions.run](auto&&... arguments) {
+      ++trials;
+      return run(arguments...);
+    };
+    const auto outcome = run_sweep(sweep, {folder.path(), {}, 1}, functions);
+    ASSERT_FALSE(outcome.ok()) << name;
+    EXPECT_EQ(outcome.error().path, sweep.path);
+    EXPECT_NE(outcome.error().problem.find(name), std::string::npos) << outcome.error().problem;
+    EXPECT_EQ(trials, 0);
+    EXPECT_EQ(text_in(folder.path(name)), quick_sweep_json().dump());
+  }
+  // Another name is no result: the sweep stays beside its results.
+  const TemporaryFolder folder;
+  folder.write("sweep.json", quick_sweep_json().dump());
+  Sweep sweep = quick_sweep();
+  sweep.path = folder.path("sweep.json");
+  sweep_into(folder.path(), {}, 1, sweep);
+  EXPECT_EQ(text_in(folder.path("sweep.json")), quick_sweep_json().dump());
+}
+
+TEST(SweepRun, WarnsIfNoTrialWasDone) {
+  TrialFunctions functions = sweep_stand_in();
+  functions.run = [run = functions.run](auto&&... arguments) {
+    auto outcome = run(arguments...);
+    outcome->status = TrialStatus::kTimeout;
+    return outcome;
+  };
+  const TemporaryFolder folder;
+  const auto outcome = run_sweep(quick_sweep(), {folder.path(), {}, 1}, functions);
+  ASSERT_TRUE(outcome.ok() && outcome->merged);
+  ASSERT_EQ(outcome->merged->warnings.size(), 1u);
+  EXPECT_NE(outcome->merged->warnings[0].find("no trial ended"), std::string::npos);
+  std::istringstream lines(text_in(folder.path("rankings.csv")));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_NE(line.find(",points,untestable,holds,share,low,high,"), std::string::npos) << line;
+  while (std::getline(lines, line)) {
+    EXPECT_NE(line.find(",0,6,0,,,,,"), std::string::npos) << line;
+  }
 }
 
 TEST(SweepRun, AnotherLevelOperatorOrSceneMakesAnotherRun) {
@@ -486,7 +550,7 @@ TEST(SweepMerge, NamesMissingPointsAndOtherRuns) {
   sweep_into(b, Shard{2, 2}, 1, sweep_of(other));
   expect_refused({a, b}, part_identity_path(b), "/plan/hash");
   ASSERT_TRUE(run_experiment(quick_sweep().plan, {b, {}, 1, false}, sweep_stand_in()).ok());
-  expect_refused({b}, part_identity_path(b), "is of an experiment; expected the kind sweep");
+  expect_refused({b}, part_identity_path(b), "is of an experiment; expected a sweep");
   EXPECT_EQ(*kind_of_run_in(a), RunKind::kSweep);
   EXPECT_EQ(*kind_of_run_in(b), RunKind::kExperiment);
 }
