@@ -104,7 +104,7 @@ def answer(data):
         row = ranking(data, name)
         line = f"- {words} at {row['holds']} of {row['points']} testable points"
         if row["untestable"]:
-            line += f"; {row['untestable']} of {row['points'] + row['untestable']} not testable"
+            line += f" ({row['untestable']} are not)"
         lines.append(line)
     return lines
 
