@@ -15,6 +15,7 @@
 
 #include "engine/experiment/sweep_chance.h"
 #include "engine/experiment/sweep_plots.h"
+#include "engine/experiment/sweep_report.h"
 #include "engine/experiment/sweep_tables.h"
 #include "geometry/base/random.h"
 
@@ -430,6 +431,51 @@ TEST(SweepShares, WithoutADifferenceNothingDecides) {
   EXPECT_EQ(result.halves[0].difference(), 0.0);
   EXPECT_TRUE(result.most_different.empty());
   EXPECT_FALSE(result.p.has_value());
+}
+
+// 399 of 400 points hold; nobody completes another one.
+TEST(SweepText, StatesUntestablePointsAndRoundsNoShareToAll) {
+  std::vector<SweepRow> rows;
+  const auto angle = [](bool is_smaller) -> MeanAt {
+    return [=](int, std::size_t, std::size_t r, std::size_t o) {
+      return o == kAnglePlace && r == 1 && is_smaller ? 1.0 : 2.0;
+    };
+  };
+  add_point(rows, row_with(SweepBlock::kOneAtATime, kScale, kScale, 1), 1, angle(true));
+  for (int i = 0; i < 401; ++i) {
+    add_point(rows, row_with(SweepBlock::kHypercube, {}, kScale, i), 1, angle(i != 5));
+  }
+  for (std::size_t i = rows.size() - 6; i < rows.size(); ++i) set_counts(rows[i], 0, 4, 0);
+  const std::string text = sweep_text(analyse_sweep(rows));
+  for (const char* const part :
+       {"mean contact angle, Rotation (R < NoR): > 99 % (99 to > 99 %): holds at 399 of 400 "
+        "testable "
+        "points; 1 of 401 not testable, because nobody completed the trials; decides most: none "
+        "beyond chance (p = 1)",
+        "mean penetration, A4 in UaH (R < NoR): 0 % (0 to 1 %): holds at 0 of 400 testable points",
+        "two conditions holds at 1/2 of the points, and an order of three at 1/6",
+        "by the means of 1 person, who is the same at all points"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  }
+}
+
+// Of the 2 * 6 trials at the second level, one ends by the limit.
+TEST(SweepFigure, CountsTheTrialsOfALevelAtWhichSomeAreMissing) {
+  std::vector<SweepRow> rows;
+  for (const double level : {0.5, 1.0}) {
+    add_point(rows, row_with(SweepBlock::kOneAtATime, kScale, kScale, level), 2,
+              [](int, std::size_t, std::size_t, std::size_t) { return 1.0; });
+  }
+  set_counts(rows.back(), 0, 1, 0);
+  const SweepAnalysis analysis = analyse_sweep(rows);
+  const auto svg = sweep_axis_svg(analysis, analysis.axes.front());
+  ASSERT_TRUE(svg.ok()) << svg.error().to_string();
+  EXPECT_NE(svg->find("11/12"), std::string::npos);
+  EXPECT_EQ(svg->find("12/12"), std::string::npos);
+  const auto tables = sweep_tables(analysis);
+  EXPECT_EQ(std::get<int>(tables[0].rows.front()[6]), 12);
+  EXPECT_EQ(std::get<int>(tables[0].rows.front()[7]), 12);
+  EXPECT_EQ(std::get<int>(tables[0].rows.back()[7]), 11);
 }
 
 // Nobody completes a trial with force, or any at the second level.
