@@ -238,13 +238,15 @@ TEST(ComparePlan, AllStrategiesMeetTheSameNoise) {
 
 // Files.
 
-TEST(StrategyTrialsFile, HasTheNewMeasuresAndTheStrategyAtTheEnd) {
+TEST(StrategyTrialsFile, HasTheNewMeasuresAndTheStrategyBeforeTheLevelsOfThePlan) {
+  const std::string levels = ",view,align,start_orientation_deg,scale";
   const std::string& plain = trials_columns();
   const std::string& columns = trials_columns(TrialColumns::kStrategies);
-  EXPECT_EQ(columns, plain +
+  ASSERT_TRUE(plain.ends_with(",missed_deadlines" + levels));
+  EXPECT_EQ(columns, plain.substr(0, plain.size() - levels.size()) +
                          ",wall_work_J,largest_contact_work_J,empty_turns,mean_drift_m,"
-                         "worst_drift_m,governor_share,strategy");
-  EXPECT_TRUE(plain.ends_with(",missed_deadlines"));
+                         "worst_drift_m,governor_share,strategy" +
+                         levels);
   const std::string text = columns_csv(TrialColumns::kStrategies);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
             2 + std::count(columns.begin(), columns.end(), ','));
