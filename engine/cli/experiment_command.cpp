@@ -19,7 +19,6 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_progress.h"
-#include "engine/cli/shard_option.h"
 #include "engine/cli/sweep_command.h"
 #include "engine/experiment/canonical_plan.h"
 #include "engine/experiment/canonical_rows.h"
@@ -34,7 +33,6 @@
 #include "engine/experiment/trial.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/report/whole_file.h"
-#include "geometry/base/parallel.h"
 
 namespace palpate {
 namespace {
@@ -96,35 +94,25 @@ struct ExperimentRunRequest {
   bool traces = false;
 };
 
+constexpr const char* kParticipant = "participant";
+
 // What the run did, for the user.
 template <typename RunOutcome>
-std::string outcome_text(const RunOutcome& outcome, const ExperimentRunRequest& request) {
+std::string outcome_text(const RunOutcome& outcome, const DealtSettings& settings) {
+  const std::string& folder = settings.out_folder;
   std::string text;
   if (!outcome.kept.empty()) {
-    text += "kept " + participants_text(outcome.kept) + ", complete in " + request.out_dir +
+    text += "kept " + participants_text(outcome.kept) + ", complete in " + folder +
             "/parts from an earlier run of this plan\n";
   }
-  if (outcome.merged) return text + merged_text(*outcome.merged, request.out_dir);
-  if (outcome.computed.empty() && outcome.kept.empty()) {
-    return text + "shard " + request.shard + " has no participant\n";
-  }
-  return text + "shard " + request.shard + " is complete in " + request.out_dir +
-         "/parts\nmerge all shards: " +
-         shell_line({"experiment", "merge", request.out_dir, "...", "--out", "experiment"}) + "\n";
-}
-
-int report_interruption(const DealtOutcome& outcome, const ExperimentRunRequest& request) {
-  const std::size_t done = outcome.computed.size() + outcome.kept.size();
-  std::cerr << "palpate: interrupted; " << done << " of " << done + outcome.not_done.size()
-            << " participants are complete in " << request.out_dir
-            << "/parts, and the same command goes on from there\n";
-  return exit_code_after_signals(0);
+  return text + (outcome.merged ? merged_text(*outcome.merged, folder)
+                                : shard_text(outcome, settings, kParticipant, "experiment"));
 }
 
 // warnings: of the plan. run: a function that takes the progress and returns a Result of an outcome
 // with `merged`.
 template <typename Run>
-int run_with_progress(const ExperimentRunRequest& request, std::vector<std::string> warnings,
+int run_with_progress(const DealtSettings& settings, std::vector<std::string> warnings,
                       const Run& run) {
   if (const auto error = check_output()) return refuse(*error);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
@@ -133,44 +121,39 @@ int run_with_progress(const ExperimentRunRequest& request, std::vector<std::stri
     return run(shown_in(bar, "experiment"));
   }();
   if (!outcome) return refuse(outcome.error());
-  if (!outcome->not_done.empty()) return report_interruption(*outcome, request);
-  std::cout << outcome_text(*outcome, request);
+  if (!outcome->not_done.empty()) {
+    return report_interruption(*outcome, kParticipant, settings.out_folder);
+  }
+  std::cout << outcome_text(*outcome, settings);
   if (outcome->merged) {
     for (const std::string& warning : warnings_of(*outcome->merged)) warnings.push_back(warning);
   }
   return exit_code_after_signals(finish_output(warnings));
 }
 
-int run_canonical_plan(const CanonicalPlan& plan, const ExperimentRunSettings& settings,
-                       const ExperimentRunRequest& request) {
-  if (settings.writes_traces) {
+int run_canonical_plan(const CanonicalPlan& plan, const DealtSettings& settings,
+                       bool writes_traces) {
+  if (writes_traces) {
     return refuse(invalid_argument("--traces", "is given with a canonical plan; expected no traces",
                                    "leave it out"));
   }
-  return run_with_progress(request, {}, [&](const auto& show) {
-    return run_canonical(plan, {settings.out_folder, settings.shard, settings.jobs}, show,
-                         &signal_flag());
+  return run_with_progress(settings, {}, [&](const auto& show) {
+    return run_canonical(plan, settings, show, &signal_flag());
   });
 }
 
 int run_plan(const ExperimentRunRequest& request) {
-  ExperimentRunSettings settings;
-  settings.out_folder = request.out_dir;
-  settings.writes_traces = request.traces;
-  if (!request.shard.empty()) {
-    const auto shard = parse_shard(request.shard);
-    if (!shard) return refuse(shard.error());
-    settings.shard = *shard;
-  }
-  const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
-  settings.jobs = request.jobs.value_or(settings.shard ? 1 : cores);
+  const auto settings = dealt_settings(request.out_dir, request.shard, request.jobs);
+  if (!settings) return refuse(settings.error());
   const auto canonical = load_canonical_plan(request.plan);
   if (!canonical) return refuse(canonical.error());
-  if (*canonical) return run_canonical_plan(**canonical, settings, request);
+  if (*canonical) return run_canonical_plan(**canonical, *settings, request.traces);
   const auto plan = load_plan(request.plan);
   if (!plan) return refuse(plan.error());
-  return run_with_progress(request, plan->warnings(), [&](const auto& show) {
-    return run_experiment(*plan, settings, {find_trial_way, run_trial}, show, &signal_flag());
+  return run_with_progress(*settings, plan->warnings(), [&](const auto& show) {
+    return run_experiment(*plan,
+                          {settings->out_folder, settings->shard, settings->jobs, request.traces},
+                          {find_trial_way, run_trial}, show, &signal_flag());
   });
 }
 

@@ -1,68 +1,36 @@
 #include "engine/cli/sweep_command.h"
 
-#include <algorithm>
 #include <iostream>
 #include <sstream>
 
 #include "engine/cli/command_help.h"
-#include "engine/cli/command_line.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_progress.h"
-#include "engine/cli/shard_option.h"
 #include "engine/experiment/trial.h"
-#include "geometry/base/parallel.h"
 
 namespace palpate {
 namespace {
 
-// "1 point", "12 points"
-std::string points_text(std::size_t count) {
-  return std::to_string(count) + (count == 1 ? " point" : " points");
-}
+constexpr const char* kPoint = "point";
 
-std::string outcome_text(const SweepOutcome& outcome, const SweepRequest& request) {
+std::string outcome_text(const SweepOutcome& outcome, const DealtSettings& settings) {
+  const std::string& folder = settings.out_folder;
   std::string text;
   if (!outcome.kept.empty()) {
-    text += "kept " + points_text(outcome.kept.size()) + ", complete in " + request.out_dir +
+    text += "kept " + count_text(outcome.kept.size(), kPoint) + ", complete in " + folder +
             "/parts from an earlier run of this sweep\n";
   }
-  if (outcome.merged) return text + merged_text(*outcome.merged, request.out_dir);
-  if (outcome.computed.empty() && outcome.kept.empty()) {
-    return text + "shard " + request.shard + " has no point\n";
-  }
-  return text + "shard " + request.shard + " is complete in " + request.out_dir +
-         "/parts\nmerge all shards: " +
-         shell_line({"experiment", "merge", request.out_dir, "...", "--out", "sweep"}) + "\n";
-}
-
-int report_interrupted_sweep(const SweepOutcome& outcome, const SweepRequest& request) {
-  const std::size_t done = outcome.computed.size() + outcome.kept.size();
-  std::cerr << "palpate: interrupted; " << done << " of "
-            << points_text(done + outcome.not_done.size()) << " are complete in " << request.out_dir
-            << "/parts, and the same command goes on from there\n";
-  return exit_code_after_signals(0);
-}
-
-Result<DealtSettings> settings_of(const SweepRequest& request) {
-  DealtSettings settings;
-  settings.out_folder = request.out_dir;
-  if (!request.shard.empty()) {
-    const auto shard = parse_shard(request.shard);
-    if (!shard) return shard.error();
-    settings.shard = *shard;
-  }
-  const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
-  settings.jobs = request.jobs.value_or(settings.shard ? 1 : cores);
-  return settings;
+  return text + (outcome.merged ? merged_text(*outcome.merged, folder)
+                                : shard_text(outcome, settings, kPoint, "sweep"));
 }
 
 }  // namespace
 
 std::string merged_text(const MergedSweep& merged, const std::string& folder) {
   std::ostringstream text;
-  text << points_text(static_cast<std::size_t>(merged.points)) << ", " << merged.trials
+  text << count_text(static_cast<std::size_t>(merged.points), kPoint) << ", " << merged.trials
        << " trials: " << merged.done << " done, " << merged.timeouts << " timeout, "
        << merged.faults << " fault\n"
        << merged.text << "report.html, sweep.csv and the tables are in " << folder << "/\n";
@@ -93,7 +61,7 @@ void add_sweep(CLI::App& experiment, SweepRequest& request) {
 }
 
 int run_sweep_command(const SweepRequest& request) {
-  const auto settings = settings_of(request);
+  const auto settings = dealt_settings(request.out_dir, request.shard, request.jobs);
   if (!settings) return refuse(settings.error());
   const auto sweep = load_sweep(request.sweep);
   if (!sweep) return refuse(sweep.error());
@@ -105,8 +73,8 @@ int run_sweep_command(const SweepRequest& request) {
                      &signal_flag());
   }();
   if (!outcome) return refuse(outcome.error());
-  if (!outcome->not_done.empty()) return report_interrupted_sweep(*outcome, request);
-  std::cout << outcome_text(*outcome, request);
+  if (!outcome->not_done.empty()) return report_interruption(*outcome, kPoint, request.out_dir);
+  std::cout << outcome_text(*outcome, *settings);
   return exit_code_after_signals(
       finish_output(outcome->merged ? outcome->merged->warnings : std::vector<std::string>()));
 }

@@ -214,6 +214,10 @@ void read_order(ObjectReader& reader, ExperimentPlan& plan) {
                      ", or use the order random"));
 }
 
+bool sees_turning(const ExperimentPlan& plan) {
+  return std::find(plan.views.begin(), plan.views.end(), View::kTurning) != plan.views.end();
+}
+
 // True if the plan has strategies, which then are read.
 bool read_strategies(ObjectReader& reader, ExperimentPlan& plan) {
   const Json* const found = reader.find("strategies", Key::kOptional);
@@ -262,9 +266,7 @@ void read_factors(ObjectReader& reader, ExperimentPlan& plan) {
     reader.choices("haptic", plan.haptic, words_of(kHapticNames));
     reader.choices("rotation", plan.rotation, words_of(kRotationNames));
   }
-  const bool sees_turning =
-      std::find(plan.views.begin(), plan.views.end(), View::kTurning) != plan.views.end();
-  if (!sees_turning && !reader.find("followings", Key::kOptional)) return;
+  if (!sees_turning(plan) && !reader.find("followings", Key::kOptional)) return;
   std::vector<std::size_t> followings;
   std::vector<std::string_view> names = words_of(kFollowingNames);
   names.resize(kTurningFollowings);
@@ -352,8 +354,7 @@ std::vector<Following> ExperimentPlan::followings_of(View view) const {
 
 std::vector<std::string> ExperimentPlan::warnings() const {
   std::vector<std::string> sentences;
-  const bool sees_turning = std::find(views.begin(), views.end(), View::kTurning) != views.end();
-  if (!sees_turning && !followings.empty()) {
+  if (!sees_turning(*this) && !followings.empty()) {
     sentences.emplace_back(
         "followings: is not used, because they are for the view turning; with the view still, "
         "persons adapt to the turn by none, half or all of it");

@@ -12,6 +12,7 @@
 #include "engine/experiment/csv_reader.h"
 #include "engine/experiment/operator_parameters.h"
 #include "engine/experiment/plan.h"
+#include "engine/experiment/statistics_text.h"
 #include "engine/experiment/strict_json.h"
 #include "geometry/base/printable.h"
 #include "geometry/base/quoted.h"
@@ -102,13 +103,6 @@ struct Columns {
   std::array<std::size_t, Trailing::kCount> trailing;
   std::size_t count = 0;
 };
-
-// The shortest text of a number.
-std::string number_text(double number) {
-  std::array<char, 32> digits;  // the shortest form of a double has at most 24 characters
-  const auto [end, failed] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
-  return {digits.data(), end};
-}
 
 Error trials_error(std::string element, std::string problem, std::string hint = {}) {
   return {ErrorCode::kInvalidContent, "", std::move(element), std::move(problem), std::move(hint)};
@@ -354,7 +348,7 @@ std::string key_of(const TrialRow& row) {
   for (const std::string& part :
        {row.following, row.participant, std::to_string(row.block), row.haptic, row.rotation,
         row.strategy, row.object, std::to_string(row.attempt), row.view, row.align,
-        number_text(row.start_orientation_deg), number_text(row.scale)}) {
+        as_printed(row.start_orientation_deg), as_printed(row.scale)}) {
     key += std::to_string(part.size()) + ":" + part;
   }
   return key;
@@ -368,8 +362,8 @@ Error doubled(const TrialRow& row, std::size_t line, std::size_t first_line) {
           row.participant + ", block " + std::to_string(row.block) + ", " +
           (row.strategy.empty() ? row.haptic + ", " + row.rotation : row.strategy) + ", " +
           row.object + ", attempt " + std::to_string(row.attempt) + ", " + row.view + ", " +
-          row.align + ", " + number_text(row.start_orientation_deg) + " deg, scale " +
-          number_text(row.scale) + "; expected each trial once",
+          row.align + ", " + as_printed(row.start_orientation_deg) + " deg, scale " +
+          as_printed(row.scale) + "; expected each trial once",
       "remove one of the lines, or number the attempts");
 }
 
@@ -443,7 +437,7 @@ void add_row(CsvLines& lines, const TrialRow& row) {
   }
   if (has_strategy) lines.add(row.strategy);
   lines.add(row.view).add(row.align);
-  lines.add(number_text(row.start_orientation_deg)).add(number_text(row.scale));
+  lines.add(as_printed(row.start_orientation_deg)).add(as_printed(row.scale));
   lines.end_line();
 }
 

@@ -47,6 +47,7 @@ void TheoreticalRotation::set_actuation(const ActuationModel& actuation) noexcep
   const Vec3& a1 = actuation_.actuated_axis(0);
   if (actuation_.actuators() == 1) {
     target_device_ = target_device_.dot(a1) < 0.0 ? Vec3(-a1) : a1;
+    if (alignment_ == Alignment::kNearest) return;
     const Vec3 across = axis_device_ - axis_device_.dot(a1) * a1;
     axis_device_ =
         across.norm() >= kHysteresisSine ? Vec3(across.normalized()) : axis_of_about_turn(a1);

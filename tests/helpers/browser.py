@@ -14,6 +14,37 @@ BROWSERS = ["chromium", "chromium-browser", "google-chrome"]
 TIMEOUT_S = 120
 WIDTHS_PX = [1200, 400]
 
+# measure_texts(svg): the texts of a diagram, those that reach out of it by more than CUT_PX, the pairs
+# that cover each other, and the height of the smallest line, px; a text may stand upright.
+TEXTS = """
+const CUT_PX = 1.0;
+function measure_texts(svg) {
+  const box = svg.getBoundingClientRect();
+  const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim());
+  const boxes = texts.map(text => text.getBoundingClientRect());
+  const cut = texts.filter((text, i) => {
+    const b = boxes[i];
+    return b.left < box.left - CUT_PX || b.right > box.right + CUT_PX ||
+           b.top < box.top - CUT_PX || b.bottom > box.bottom + CUT_PX;
+  });
+  const covering = [];
+  for (let i = 0; i < boxes.length; ++i) {
+    for (let j = 0; j < i; ++j) {
+      const across = Math.min(boxes[i].right, boxes[j].right) - Math.max(boxes[i].left, boxes[j].left);
+      const down = Math.min(boxes[i].bottom, boxes[j].bottom) - Math.max(boxes[i].top, boxes[j].top);
+      if (across > CUT_PX && down > 0.3 * Math.min(boxes[i].height, boxes[j].height)) {
+        covering.push(texts[i].textContent.trim() + ' / ' + texts[j].textContent.trim());
+      }
+    }
+  }
+  return {width: box.width, height: box.height, right: box.right, name: svg.getAttribute('aria-label'),
+          texts: texts.map(text => text.textContent.trim()), cut: cut.map(text => text.textContent),
+          covering: covering,
+          least: Math.min(...boxes.map((b, i) => texts[i].textContent.trim().length > 2 ?
+              Math.min(b.width, b.height) : b.height))};
+}
+"""
+
 # measure_frame(frame) is a function of the test.
 FRAMES = """
 addEventListener('load', () => {
@@ -53,7 +84,7 @@ def measured_in_frames(browser, page, folder, script):
                      f'srcdoc="{html.escape(page)}"></iframe>' for width in WIDTHS_PX)
     path = folder / "measure.html"
     path.write_text('<!DOCTYPE html><meta charset="utf-8"><link rel="icon" href="data:,">'
-                    f'<script>{script}{FRAMES}</script>{frames}<pre id="measured"></pre>',
+                    f'<script>{TEXTS}{script}{FRAMES}</script>{frames}<pre id="measured"></pre>',
                     encoding="utf-8")
     document, console = open_page(browser, path, folder / "profile")
     found = re.search(r'<pre id="measured">([^<]+)</pre>', document)

@@ -19,7 +19,6 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
 from browser import measured_in_frames, open_page, run_test
 
-CUT_PX = 1.0  # how far the box of a text may reach out of its diagram
 LEAST_TEXT_PX = 10.0  # the height of a line of text
 BOTH = ["NoR: the wall stands still", "R: A4 turns the wall",
         "angle a of the wall to the motor (deg)", "45", "90"]
@@ -35,34 +34,13 @@ MEASURE = """
 function measure_frame(frame) {
   const page = frame.contentDocument;
   const diagrams = [...page.querySelectorAll('figure svg')].map(svg => {
-    const box = svg.getBoundingClientRect();
-    const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim());
-    const boxes = texts.map(text => text.getBoundingClientRect());
-    const cut = texts.filter((text, i) => {
-      const b = boxes[i];
-      return b.left < box.left - CUT || b.right > box.right + CUT ||
-             b.top < box.top - CUT || b.bottom > box.bottom + CUT;
-    });
-    const covering = [];
-    for (let i = 0; i < boxes.length; ++i) {
-      for (let j = 0; j < i; ++j) {
-        const across = Math.min(boxes[i].right, boxes[j].right) - Math.max(boxes[i].left, boxes[j].left);
-        const down = Math.min(boxes[i].bottom, boxes[j].bottom) - Math.max(boxes[i].top, boxes[j].top);
-        if (across > CUT && down > 0.3 * Math.min(boxes[i].height, boxes[j].height)) {
-          covering.push(texts[i].textContent.trim() + ' / ' + texts[j].textContent.trim());
-        }
-      }
-    }
+    const measured = measure_texts(svg);
     // A curve is an unbroken line across at least half of the diagram, beside its line of the legend;
     // the whiskers of a curve are one path of many lines.
     const curves = [...svg.querySelectorAll('path')].filter(path =>
         path.getAttribute('d').split('L').length > 4 && path.getAttribute('d').split('M').length <= 3 &&
-        path.getBoundingClientRect().width > 0.5 * box.width).length;
-    return {width: box.width, height: box.height, name: svg.getAttribute('aria-label'),
-            texts: texts.map(text => text.textContent.trim()), covering: covering, curves: curves,
-            least: Math.min(...boxes.map((b, i) => texts[i].textContent.trim().length > 2 ?
-                Math.min(b.width, b.height) : b.height)),
-            cut: cut.map(text => text.textContent)};
+        path.getBoundingClientRect().width > 0.5 * measured.width).length;
+    return {...measured, curves: curves};
   });
   const requests = frame.contentWindow.performance.getEntriesByType('resource')
       .map(entry => entry.name).filter(name => !name.startsWith('data:'));
@@ -114,7 +92,7 @@ def problems_of(browser, page, folder):
     path.write_text(page, encoding="utf-8")
     _, console = open_page(browser, path, folder / "profile")
     problems = [f"on the console: {line}" for line in console]
-    for frame in measured_in_frames(browser, page, folder, MEASURE.replace("CUT", str(CUT_PX))):
+    for frame in measured_in_frames(browser, page, folder, MEASURE):
         problems += frame_problems(frame)
     return problems
 

@@ -22,33 +22,10 @@ from browser import measured_in_frames, open_page, run_test
 LEAST_TEXT_PX = 10.0  # the height of a line of text; that of a letter is about two thirds
 
 MEASURE = """
-const CUT = 1.0;  // px, how far the box of a text may reach out of its panel
 function measure_frame(frame) {
   const page = frame.contentDocument;
   page.querySelectorAll('details').forEach(part => part.open = true);
-  const panels = [...page.querySelectorAll('.panels svg')].map(svg => {
-    const box = svg.getBoundingClientRect();
-    const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim());
-    const boxes = texts.map(text => text.getBoundingClientRect());
-    const cut = texts.filter((text, i) => {
-      const b = boxes[i];
-      return b.left < box.left - CUT || b.right > box.right + CUT ||
-             b.top < box.top - CUT || b.bottom > box.bottom + CUT;
-    });
-    const covering = [];
-    for (let i = 0; i < boxes.length; ++i) {
-      for (let j = 0; j < i; ++j) {
-        const across = Math.min(boxes[i].right, boxes[j].right) - Math.max(boxes[i].left, boxes[j].left);
-        const down = Math.min(boxes[i].bottom, boxes[j].bottom) - Math.max(boxes[i].top, boxes[j].top);
-        if (across > CUT && down > 0.3 * Math.min(boxes[i].height, boxes[j].height)) {
-          covering.push(texts[i].textContent.trim() + ' / ' + texts[j].textContent.trim());
-        }
-      }
-    }
-    return {name: svg.getAttribute('aria-label'), texts: texts.map(text => text.textContent.trim()),
-            cut: cut.map(text => text.textContent), covering: covering,
-            least: Math.min(...boxes.map(b => Math.max(b.width, b.height)))};
-  });
+  const panels = [...page.querySelectorAll('.panels svg')].map(measure_texts);
   const requests = frame.contentWindow.performance.getEntriesByType('resource')
       .map(entry => entry.name).filter(name => !name.startsWith('data:'));
   const people = [...page.querySelectorAll('#answer tbody tr')].map(row => row.children[2]);

@@ -20,7 +20,6 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
 from browser import measured_in_frames, open_page, run_test
 
-CUT_PX = 1.0  # how far the box of a text may reach out of its diagram
 LEAST_TEXT_PX = 10.0  # the height of a line of text; that of a letter is about two thirds
 FIGURE_6 = ["NoR: the scene stands still", "R: the scene turns",
             "the paper's people, mean of NoR and R", "NoH", "UaH", "H", "commanded force (Haptic)"]
@@ -34,31 +33,7 @@ MEASURE = """
 function measure_frame(frame) {
   const page = frame.contentDocument;
   page.querySelectorAll('details').forEach(part => part.open = true);
-  const diagrams = [...page.querySelectorAll('.figure6 svg, .figure7 svg')].map(svg => {
-    const box = svg.getBoundingClientRect();
-    const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim());
-    const boxes = texts.map(text => text.getBoundingClientRect());
-    const cut = texts.filter((text, i) => {
-      const b = boxes[i];
-      return b.left < box.left - CUT || b.right > box.right + CUT ||
-             b.top < box.top - CUT || b.bottom > box.bottom + CUT;
-    });
-    const covering = [];
-    for (let i = 0; i < boxes.length; ++i) {
-      for (let j = 0; j < i; ++j) {
-        const across = Math.min(boxes[i].right, boxes[j].right) - Math.max(boxes[i].left, boxes[j].left);
-        const down = Math.min(boxes[i].bottom, boxes[j].bottom) - Math.max(boxes[i].top, boxes[j].top);
-        if (across > CUT && down > 0.3 * Math.min(boxes[i].height, boxes[j].height)) {
-          covering.push(texts[i].textContent.trim() + ' / ' + texts[j].textContent.trim());
-        }
-      }
-    }
-    return {width: box.width, height: box.height, name: svg.getAttribute('aria-label'),
-            texts: texts.map(text => text.textContent.trim()), covering: covering,
-            least: Math.min(...boxes.map((b, i) => texts[i].textContent.trim().length > 2 ?
-                Math.min(b.width, b.height) : b.height)),
-            cut: cut.map(text => text.textContent)};
-  });
+  const diagrams = [...page.querySelectorAll('.figure6 svg, .figure7 svg')].map(measure_texts);
   const leading = [...page.querySelectorAll('.findings tr')].map(row => row.children[1]);
   const requests = frame.contentWindow.performance.getEntriesByType('resource')
       .map(entry => entry.name).filter(name => !name.startsWith('data:'));
@@ -118,7 +93,7 @@ def check_requests_are_noticed(browser, folder):
     """Ends the test if it would not notice a request."""
     frames = measured_in_frames(browser, '<!DOCTYPE html><main><section id="answer"></section></main>'
                                 '<img src="http://127.0.0.1:9/picture.png">',
-                                folder, MEASURE.replace("CUT", str(CUT_PX)))
+                                folder, MEASURE)
     if not all(frame["requests"] for frame in frames):
         sys.exit("a request was not noticed")
 
@@ -129,7 +104,7 @@ def problems_of(kind, browser, page, folder):
     _, console = open_page(browser, path, folder / "profile")
     problems = [f"on the console: {line}" for line in console]
     check_requests_are_noticed(browser, folder)
-    for frame in measured_in_frames(browser, page, folder, MEASURE.replace("CUT", str(CUT_PX))):
+    for frame in measured_in_frames(browser, page, folder, MEASURE):
         problems += frame_problems(frame, kind)
     return problems
 

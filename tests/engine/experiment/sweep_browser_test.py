@@ -21,7 +21,6 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
 from browser import measured_in_frames, open_page, run_test
 
-CUT_PX = 1.0  # how far the box of a text may reach out of its diagram
 LEAST_TEXT_PX = 9.0  # the height of a line of text
 LEVELS = {"sight_delay_s": [0.1, 0.2], "intention_noise_m": [0.001, 0.002],
           "force_noise": [0, 0.05], "press_depth_m": [0.004, 0.008],
@@ -41,24 +40,7 @@ function measure_frame(frame) {
   const figures = [...page.querySelectorAll('.axes figure')].map(figure => {
     const svg = figure.querySelector('svg');
     if (!svg) return {id: figure.id, texts: [], covering: [], cut: [], least: 0, right: 0};
-    const box = svg.getBoundingClientRect();
-    const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim());
-    const boxes = texts.map(text => text.getBoundingClientRect());
-    const covering = [];
-    for (let i = 0; i < boxes.length; ++i) {
-      for (let j = 0; j < i; ++j) {
-        const across = Math.min(boxes[i].right, boxes[j].right) - Math.max(boxes[i].left, boxes[j].left);
-        const down = Math.min(boxes[i].bottom, boxes[j].bottom) - Math.max(boxes[i].top, boxes[j].top);
-        if (across > CUT && down > 0.3 * Math.min(boxes[i].height, boxes[j].height)) {
-          covering.push(texts[i].textContent.trim() + ' / ' + texts[j].textContent.trim());
-        }
-      }
-    }
-    return {id: figure.id, right: box.right, texts: texts.map(text => text.textContent.trim()),
-            covering: covering, least: Math.min(...boxes.map(b => Math.min(b.width, b.height))),
-            cut: texts.filter((text, i) => boxes[i].left < box.left - CUT ||
-                boxes[i].right > box.right + CUT || boxes[i].top < box.top - CUT ||
-                boxes[i].bottom > box.bottom + CUT).map(text => text.textContent)};
+    return {...measure_texts(svg), id: figure.id};
   });
   const boxes = [...page.querySelectorAll('.wide')].map(box => ({
       right: box.getBoundingClientRect().right, scrolls: getComputedStyle(box).overflowX,
@@ -70,7 +52,7 @@ function measure_frame(frame) {
           figures: figures, boxes: boxes, first: page.querySelector('main > section').id,
           rankings: answer.querySelectorAll('tbody tr').length, answer: answer.textContent};
 }
-""".replace("CUT", str(CUT_PX))
+"""
 
 
 def figure_problems(figure, levels, width):
