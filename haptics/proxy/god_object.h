@@ -314,6 +314,9 @@ class GodObject {
   bool lifts_and_slides(std::span<const FaceContact> pair, std::span<const FaceContact> nearest,
                         Friction& friction);
   template <typename Friction>
+  Vec3 first_no_farther(const Friction& friction, const Vec3& than, const Vec3& from,
+                        const Vec3& to) const;
+  template <typename Friction>
   bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
   bool goes_past_obstacles(Friction& friction);
