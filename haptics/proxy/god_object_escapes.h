@@ -160,13 +160,13 @@ template <typename Friction>
   const bool is_beside =
       is_stuck || std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
   if (!is_beside && holding.count < 2) return false;
-  const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
   const ProxyPlace here = place_now();
   look_around();
   if (tracer_.is_cut_short() || is_held_by_faces(friction)) {
     return_to(here);
     return false;
   }
+  const bool is_vertex = is_at_vertex(holding.all());
   if (is_beside && slides_without_edges(holding, friction)) return true;
   if (slides_past(friction) || slides_between(friction)) return true;
   if ((is_beside || is_vertex) && slides_at_vertex(friction)) return true;

@@ -204,8 +204,7 @@ class HardSceneRun {
     const auto to_goal_m = [&](const Vec3& v) { return norm_ ? norm_->length(v) : v.norm(); };
     // The norm weighs the rounding of positions by up to 4, the root of the largest anisotropy.
     const double round_m = (norm_ ? 4.0 : 1.0) * position_roundoff_m_;
-    const auto farther =
-        test::moves_away(god_object_.path(), goal_, radius_m_, round_m, to_goal_m);
+    const auto farther = test::moves_away(god_object_.path(), goal_, radius_m_, round_m, to_goal_m);
     if (!farther) return true;
     ADD_FAILURE() << "piece " << farther->piece << " increases the distance to the goal by "
                   << farther->by_m << " m\n"
