@@ -60,11 +60,20 @@ struct BodyMotion {
 // Local minimum: at the end of a tick that is not capped, no improving segment exists. An improving
 // segment is a straight segment from the proxy with these properties:
 //   - It crosses no triangle.
-//   - It stays at least one stand-off (SolverScale) from each triangle, or at least at the distance
-//     of its start if that is smaller, except for rounding. For a sphere, the distance is measured
-//     from the sphere's surface.
+//   - It stays at least one stand-off (SolverScale) from each triangle that is farther than a
+//     stand-off from its start, except for rounding. For a sphere, the distance is measured from
+//     the sphere's surface.
+//   - At its start, it approaches no other triangle. The distance to a triangle is convex along a
+//     segment, so it approaches none of them later.
 //   - It lies in the plane of motion, if one is given.
 //   - Its end is nearer to the goal than its start by more than 1e-9 of the scene's size.
+// A segment approaches a triangle if the slope at its start, continued to the point nearest to the
+// goal, leads nearer to the triangle by more than 1e-15 of the scene's size (rounding of normals).
+// A shorter segment of the same slope may lead nearer by less than the rounding of positions; it is
+// no improving segment, because a proxy that took one in every tick would reach the triangle. Two
+// cases follow for a point that touches two faces less than two stand-offs apart. If the faces
+// converge towards the goal, it rests, at however small an angle they converge. At the rim of the
+// gap, it does not turn out of the gap before it has passed the rim.
 // Under friction, a slide along a touched surface counts only as far as the tangential lag exceeds
 // the friction limit. Accuracy::fast() gives no such guarantee.
 //
@@ -92,8 +101,8 @@ struct BodyMotion {
 // Monotone: no tick increases the distance to the goal by more than rounding, whether capped or
 // not. For a fixed mesh, this certifies that the spring between proxy and goal is passive: the
 // motion of the proxy never adds energy to it. Within a tick, no piece of a point's path increases
-// the distance. The path of a sphere may increase it by less than 1 % of the radius while the
-// sphere moves round an obstacle.
+// the distance by more than rounding, either. The path of a sphere may increase it by less than 1 %
+// of the radius while the sphere moves round an obstacle.
 //
 // Numbers that are not finite, and positions so far away that squares of lengths overflow, are
 // invalid input. Invalid input changes nothing; the return value reports it. If check_settings()
@@ -313,6 +322,9 @@ class GodObject {
   template <typename Friction>
   bool lifts_and_slides(std::span<const FaceContact> pair, std::span<const FaceContact> nearest,
                         Friction& friction);
+  template <typename Friction>
+  Vec3 first_no_farther(const Friction& friction, const Vec3& than, const Vec3& from,
+                        const Vec3& to) const;
   template <typename Friction>
   bool slides_along(std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -159,13 +160,13 @@ template <typename Friction>
   const bool is_beside =
       is_stuck || std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
   if (!is_beside && holding.count < 2) return false;
-  const bool is_vertex = holding.count > 1 && is_at_vertex(holding.all());
   const ProxyPlace here = place_now();
   look_around();
   if (tracer_.is_cut_short() || is_held_by_faces(friction)) {
     return_to(here);
     return false;
   }
+  const bool is_vertex = is_at_vertex(holding.all());
   if (is_beside && slides_without_edges(holding, friction)) return true;
   if (slides_past(friction) || slides_between(friction)) return true;
   if ((is_beside || is_vertex) && slides_at_vertex(friction)) return true;
@@ -450,21 +451,55 @@ bool GodObject::slides_at_vertex(Friction& friction) {
 }
 
 // Tries to lift the proxy above both faces, without approaching any face around it, and to slide
-// along the two faces.
+// along the two faces. The lift may lead away from the goal. The path then leaves it out: it leads
+// straight to the first point of the slide that is no farther from the goal than the proxy, and on
+// to the end of the slide; or straight to this end. The attempt fails if neither path is free.
 template <typename Friction>
 bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
                                  std::span<const FaceContact> nearest, Friction& friction) {
-  const Vec3 lift = lift_above(pair, nearest);
-  if (lift.isZero(0.0) || tracer_.trace(proxy_, proxy_ + lift)) return false;
+  const Vec3 before = proxy_;
+  const Vec3 lifted = before + lift_above(pair, nearest);
+  if (lifted == before || tracer_.trace(before, lifted)) return false;
   return tries(friction, [&] {
-    commit(proxy_ + lift);
+    const std::size_t corners = path_.size();
+    commit(lifted);
     planes_are_current_ = false;
     Faces above;
     for (const FaceContact& face : pair) {
       above.add(tracer_.contact_over(face.face, proxy_, face.normal));
     }
-    slides_along(above.all(), friction);
+    if (!slides_along(above.all(), friction)) return;
+    const Vec3 first = first_no_farther(friction, before, lifted, proxy_);
+    if (first == lifted) return;
+    const Vec3 end = std::exchange(proxy_, before);
+    path_.resize(corners);
+    if (tracer_.trace(before, first) || tracer_.trace(first, end)) {
+      if (tracer_.trace(before, end)) return;
+    } else {
+      commit(first);
+    }
+    commit(end);
   });
+}
+
+// The first point of the segment between two points that is no farther from the goal than `than`,
+// by bisection. The end `to` must be such a point.
+template <typename Friction>
+Vec3 GodObject::first_no_farther(const Friction& friction, const Vec3& than, const Vec3& from,
+                                 const Vec3& to) const {
+  const double most_m = friction.length(than - goal_);
+  const auto is_farther = [&](const Vec3& p) { return friction.length(p - goal_) > most_m; };
+  if (!is_farther(from)) return from;
+  double farther = 0.0;
+  double nearer = 1.0;
+  const auto at = [&](double part) -> Vec3 {
+    return part == 1.0 ? to : Vec3(from + part * (to - from));
+  };
+  for (int i = 0; i < std::numeric_limits<double>::digits; ++i) {
+    const double middle = 0.5 * (farther + nearer);
+    (is_farther(at(middle)) ? farther : nearer) = middle;
+  }
+  return at(nearer);
 }
 
 // Tries a step in which only these contacts hold the proxy.

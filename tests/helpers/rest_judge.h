@@ -4,17 +4,18 @@
 // get nearer to the goal from its present place.
 //
 // A free segment is a straight segment from the proxy. It crosses no triangle. Except for rounding,
-// it never comes nearer to a triangle than one stand-off; if it starts nearer than that, it never
-// comes nearer than at its start. (A sphere's distance is that of its centre minus the radius.) If
-// the proxy moves in a plane of motion, a free segment lies in this plane. The proxy is not at rest
-// if a free segment leads nearer to the goal.
+// it never comes nearer to a triangle than one stand-off; if it starts nearer than that, it does
+// not approach the triangle at its start. (A sphere's distance is that of its centre minus the
+// radius.) If the proxy moves in a plane of motion, a free segment lies in this plane. The proxy is
+// not at rest if a free segment leads nearer to the goal.
 //
-// The distance to a triangle is a convex function. If the distance to a triangle is at most a
-// stand-off at the start of a free segment, it must therefore not decrease there. The directions
-// that remain form a convex cone. If even the unhindered steepest descent in that cone gains no
-// more than the tolerance, this proves that no free segment leads nearer to the goal. Otherwise the
-// judge searches for free segments. A segment that it reports satisfies the definition above. The
-// judge checks this for each triangle: crossings exactly, distances in long double.
+// The slope at the start decides whether a segment approaches a triangle. It does if this slope,
+// continued to the point nearest to the goal, leads nearer by more than 4 ulps of the size. The
+// directions that remain form a convex cone, since the distance to a triangle is convex. If even
+// the unhindered steepest descent in that cone gains no more than the tolerance, this proves that
+// no free segment leads nearer to the goal. Otherwise the judge searches for free segments. A
+// segment that it reports satisfies the definition above. The judge checks this for each triangle:
+// crossings exactly, distances in long double.
 //
 // The search tries the following directions, each as far as the distance to the goal decreases and
 // up to the first obstacle:

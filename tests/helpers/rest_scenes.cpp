@@ -455,6 +455,71 @@ RestScene stacked_sheets(ProxyKind proxy, Random& random) {
   return {posed(soup, random), some_radius_m(proxy, kFewStandOffs_m, 1e-2, random)};
 }
 
+// Two slabs or sheets one above the other, with a gap of about 1.75 stand-offs, at whose sides a
+// point stops. The gap is constant or narrows, by stand-offs or as slabs in single precision do.
+// The rims are aligned, or stand-offs apart, or one slab is wider. The hand aims at the rims of the
+// gap. Two specks give the scene a size that fixes the stand-off.
+RestScene slab_rims(ProxyKind, Random& random) {
+  const double size_m = log_uniform(random, 1e-3, 1e3);
+  const double stand_off_m = SolverScale::kStandOffPerSize * size_m;
+  const double twice_stop_m = 2 * SolverScale::kStopPerStandOff * stand_off_m;
+  const double off = log_uniform(random, 1e-6, 1.0) * (random.index(2) ? 0.5 : -0.5);
+  const double gap_m = random.index(3) ? twice_stop_m * (1.0 + off) : twice_stop_m;
+  const double narrows_m = random.index(2) ? 0.0 : stand_off_m * log_uniform(random, 1e-3, 1e4);
+  const auto some_half = [&] { return size_m * random.uniform(0.05, 0.2); };
+  const Vec3 half(some_half(), some_half(), 0.0);
+  const bool are_aligned = random.index(3) != 0;
+  const Vec3 other_half = are_aligned ? half : Vec3(some_half(), some_half(), 0.0);
+  Vec3 shift = Vec3::Zero();
+  if (random.index(2)) shift = 3 * stand_off_m * random.in_box(1.0);
+  Soup soup;
+  const auto add = [&](const Vec3& h, double inner_m, double outward, double tilt_m,
+                       const Vec3& middle) {
+    const double thick_m = random.index(2) ? 0.0 : size_m * log_uniform(random, 1e-7, 0.03);
+    const Vec3 box_half(h.x(), h.y(), 0.5 * thick_m);
+    Soup slab;
+    if (thick_m > 0.0) {
+      slab = box_soup(box_half);
+    } else {
+      slab.add_quad({-h.x(), -h.y(), 0}, {h.x(), -h.y(), 0}, {h.x(), h.y(), 0}, {-h.x(), h.y(), 0});
+    }
+    for (Vec3& p : slab.positions) {
+      const bool is_inner = p.z() * outward <= 0.0;
+      const double z = is_inner ? inner_m : inner_m + outward * thick_m;
+      p = Vec3(p.x(), p.y(), z + tilt_m * (p.x() / h.x() - 1.0)) + Vec3(middle.x(), middle.y(), 0);
+    }
+    append(slab, {}, 1.0, soup);
+  };
+  add(half, 0.0, -1.0, 0.0, Vec3::Zero());
+  add(other_half, gap_m, 1.0, -narrows_m, shift);
+  RigidTransform pose;
+  if (random.index(3)) pose.rotation = random.pose(0.0).rotation;
+  if (random.index(3) == 0) {
+    pose.translation_m = size_m * log_uniform(random, 0.1, 100.0) * random.unit_vector();
+  }
+  RestScene scene;
+  append(soup, pose, 1.0, scene.soup);
+  for (const double side : {-0.5, 0.5}) {
+    const Vec3 corner = pose.translation_m + side * size_m * Vec3::Ones();
+    const double speck_m = 1e-3 * side * size_m;
+    scene.soup.add(corner, corner - speck_m * Vec3::UnitX(), corner - speck_m * Vec3::UnitY());
+  }
+  if (random.index(6) == 0) scene.soup = in_float(std::move(scene.soup));
+  const auto at_rim = [&](double out_m) {
+    Vec3 p = half.cwiseProduct(random.in_box(1.0));
+    const Eigen::Index axis = random.index(2) ? 0 : 1;
+    p[axis] = std::copysign(half[axis] + out_m, p[axis]);
+    p.z() = 0.5 * gap_m;
+    return pose.point(p);
+  };
+  scene.starts = {at_rim(0.1 * size_m)};
+  for (int i = 0; i < 12; ++i) {
+    const double out_m = log_uniform(random, 1e-12, 0.05) * size_m;
+    scene.aims.push_back(at_rim(random.index(3) ? -out_m : out_m));
+  }
+  return scene;
+}
+
 constexpr double kAnyCapped = 0.5;  // fewer: most ticks are not capped
 constexpr double kPointCapped = 0.01;
 constexpr double kSphereCapped = 0.05;
@@ -513,6 +578,7 @@ constexpr RestClass kClasses[] = {
     {"FloatLattices", kSphere, float_lattices, kAnyCapped},
     {"Hubs", kPoint, hubs, kAnyCapped},
     {"Hubs", kSphere, hubs, kAnyCapped},
+    {"SlabRims", kPoint, slab_rims, kAnyCapped},
     {"StackedSheets", kPoint, stacked_sheets, kAnyCapped},
     {"StackedSheets", kSphere, stacked_sheets, kAnyCapped},
 };

@@ -206,6 +206,12 @@ class MovingScene {
       for (const Vec3& p : god_object_.path()) path_body.push_back(placed(b).to_body(p));
       if (!is_free(b, path_body, "follows the goal", totals)) return false;
     }
+    const double extent_m = std::max({size_m_, radius_m_, state_.proxy.norm(), goal_.norm()});
+    const auto farther =
+        test::moves_away(god_object_.path(), goal_, radius_m_, kEpsilon * extent_m);
+    EXPECT_FALSE(farther) << "piece " << (farther ? farther->piece : 0)
+                          << " of the path increases the distance to the goal, tick " << tick_
+                          << ", PALPATE_SEED=" << seed_;
     if (!state_.capped) judge_rest(totals);
     return true;
   }

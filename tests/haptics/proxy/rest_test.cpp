@@ -40,8 +40,6 @@ using test::ExactJudge;
 using test::from_environment;
 using test::hex;
 using test::kEpsilon;
-using test::kFartherRelative;
-using test::kFartherUlps;
 using test::kNearUlps;
 using test::kOverlapPerSize;
 using test::OwnedWorld;
@@ -230,14 +228,12 @@ class RestRun {
                        std::to_string(touch->triangle));
       return false;
     }
-    const std::size_t stride = std::max<std::size_t>(1, path.size() - 1);
-    for (std::size_t i = 0; i + stride < path.size(); i += stride) {
-      const double before = (path[i] - goal_).norm();
-      const double after = (path[i + stride] - goal_).norm();
-      if (after <= before + kFartherRelative * before + kFartherUlps * round_m_) continue;
+    if (const auto farther = test::moves_away(path, goal_, radius_m_, round_m_)) {
       ++totals.farther;
-      show(totals, "piece " + std::to_string(i) + " increases the distance to the goal by " +
-                       std::to_string(after - before) + " m");
+      show(totals, "piece " + std::to_string(farther->piece) + " of " +
+                       std::to_string(path.size() - 1) + " increases the distance to the goal by " +
+                       std::to_string(farther->by_m / god_object_.scale().stand_off_m) +
+                       " stand-offs");
       return false;
     }
     return true;
