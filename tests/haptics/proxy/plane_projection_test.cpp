@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
@@ -109,6 +110,121 @@ TEST(PlaneProjection, ViolatesNoneOfNearlyIdenticalPlanes) {
     ASSERT_TRUE(answer.solved) << trial;
     ASSERT_LE(worst_violation(planes, answer.displacement_m), kRoundoff * target.norm()) << trial;
   }
+}
+
+// The solver in two coordinates, against all pairs of lines in long double.
+using LongVec2 = Eigen::Matrix<long double, 2, 1>;
+using Line = HalfSpace<Vec2>;
+
+LongVec2 wide(const Vec2& v) {
+  return v.cast<long double>();
+}
+
+// By how much y violates the worst line, beyond `slack` times the lengths involved.
+long double worst_violation(std::span<const Line> lines, const LongVec2& y, long double slack) {
+  long double worst = -std::numeric_limits<long double>::infinity();
+  for (const Line& line : lines) {
+    const auto offset = static_cast<long double>(line.offset_m);
+    const long double allowed = slack * (y.norm() + std::abs(offset));
+    worst = std::max(worst, offset - wide(line.normal).dot(y) - allowed);
+  }
+  return worst;
+}
+
+// The least distance from the target to a point that violates no line by more than `slack` times
+// the lengths involved; infinity if there is none. The nearest point is the target, or lies on one
+// line, or on two.
+long double least_distance(std::span<const Line> lines, const Vec2& target, long double slack) {
+  long double least = std::numeric_limits<long double>::infinity();
+  const LongVec2 t = wide(target);
+  const auto try_point = [&](const LongVec2& y) {
+    if (worst_violation(lines, y, slack) <= 0.0L) least = std::min(least, (y - t).norm());
+  };
+  try_point(t);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const LongVec2 n = wide(lines[i].normal);
+    const auto a = static_cast<long double>(lines[i].offset_m);
+    try_point(t + (a - n.dot(t)) / n.squaredNorm() * n);
+    for (std::size_t j = 0; j < i; ++j) {
+      const LongVec2 m = wide(lines[j].normal);
+      const auto b = static_cast<long double>(lines[j].offset_m);
+      const long double sine = n.x() * m.y() - n.y() * m.x();
+      if (sine == 0.0L) continue;
+      try_point(LongVec2(a * m.y() - b * n.y(), b * n.x() - a * m.x()) / sine);
+    }
+  }
+  return least;
+}
+
+// Lines around a displacement, in directions that are random, nearly equal or nearly opposite, with
+// offsets that a body at rest (<= 0) or a moving body (any sign) gives.
+std::vector<Line> some_lines(Random& random, bool is_at_start) {
+  std::vector<Line> lines(1 + random.index(6));
+  const auto direction = [](double angle_rad) {
+    return Vec2(std::cos(angle_rad), std::sin(angle_rad));
+  };
+  double angle_rad = random.uniform(0.0, 6.28);
+  const double size_m = std::pow(10.0, random.uniform(-12.0, 0.0));
+  for (Line& line : lines) {
+    switch (random.index(4)) {
+      case 0:
+        angle_rad = random.uniform(0.0, 6.28);
+        break;
+      case 1:
+        angle_rad += std::pow(10.0, random.uniform(-17.0, 0.0));
+        break;
+      case 2:
+        angle_rad += std::numbers::pi - std::pow(10.0, random.uniform(-17.0, 0.0));
+        break;
+      default:
+        break;
+    }
+    line.normal = direction(angle_rad);
+    line.offset_m = size_m * random.uniform(-1.0, is_at_start ? 0.0 : 1.0);
+    if (random.index(4) == 0) line.offset_m = is_at_start ? 0.0 : size_m;
+  }
+  return lines;
+}
+
+// The definition of "solved": the displacement keeps all lines within the rounding of the
+// displacement, the offsets and the target. A set of lines without a solution is not solved, even
+// if rounding gives one far away.
+TEST(PlaneProjection, InAPlaneIsTheNearestPointOfAllPairsOrNotSolved) {
+  Random random(43);
+  constexpr double kUlp = std::numeric_limits<double>::epsilon();
+  int solved = 0;
+  int unsolvable = 0;
+  for (int trial = 0; trial < 200000; ++trial) {
+    const bool is_at_start = random.index(2) == 0;
+    const std::vector<Line> lines = some_lines(random, is_at_start);
+    Vec2 target = Vec2::Zero();
+    if (is_at_start) target = std::pow(10.0, random.uniform(-12.0, 2.0)) * random.unit_vector().head<2>();
+    const auto start = is_at_start ? Feasibility::kAtStart : Feasibility::kMustMove;
+    const auto answer = project_onto_planes(std::span<const Line>(lines), target, start);
+    // What no rounding of the lines can decide: a solution exists even if each line is stricter, or
+    // none exists even if each is laxer.
+    const auto strictest = least_distance(lines, target, -64.0L * kUlp);
+    const auto laxest = least_distance(lines, target, 64.0L * kUlp);
+    if (answer.solved) {
+      const LongVec2 y = wide(answer.displacement_m);
+      const long double roundoff = 64.0L * kUlp * wide(target).norm();
+      ASSERT_LE(worst_violation(lines, y, 32.0L * kUlp), roundoff) << trial;
+      ASSERT_LE(answer.active_count, 2);
+      const long double distance = (y - wide(target)).norm();
+      ASSERT_GE(distance * (1.0L + 1e-9L) + roundoff, laxest) << trial;
+      ASSERT_LE(distance * (1.0L - 1e-9L) - roundoff, strictest) << trial;
+      ++solved;
+    } else {
+      // Lines that meet farther away than this are parallel to within rounding.
+      const long double far = 1e-3L / kUlp;
+      long double size = wide(target).norm();
+      for (const Line& line : lines) size = std::max(size, std::abs(static_cast<long double>(line.offset_m)));
+      ASSERT_GE(strictest, far * size) << trial;
+      ++unsolvable;
+    }
+  }
+  EXPECT_GT(solved, 50000);
+  EXPECT_GT(unsolvable, 10000);
 }
 
 }  // namespace
