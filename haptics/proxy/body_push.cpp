@@ -43,7 +43,8 @@ class PushedProxy {
   // The position that the proxy had relative to the body, if the proxy can reach it.
   std::optional<Vec3> kept_place() {
     const Vec3 target = in_motion_plane(placed_.to_solver(start_body_));
-    if (push_.motion_plane && tracer_.trace_in_body(push_.body, start_body_, placed_.to_body(target))) {
+    if (push_.motion_plane &&
+        tracer_.trace_in_body(push_.body, start_body_, placed_.to_body(target))) {
       return std::nullopt;
     }
     if (tracer_.trace_others(push_.body, proxy_, target)) return std::nullopt;

@@ -13,7 +13,7 @@ namespace palpate {
 // The motion of one body in one tick.
 struct Push {
   std::uint32_t body = 0;
-  RigidTransform T_solver_body;                  // target pose
+  RigidTransform T_solver_body;  // target pose
   bool carries = false;  // friction holds the proxy on the body: the proxy moves along if possible
   std::optional<MotionPlane> motion_plane = {};  // in which the proxy moves
   Vec3 plane_point = Vec3::Zero();               // a point of the plane of motion, solver frame, m

@@ -467,8 +467,11 @@ ProxyState GodObject::report(int iterations, bool capped) const {
     state.normal += planes_of_contact_[projection_.active[i]].normal;
   }
   if (projection_.active_count == 1) return state;
+  // A sum that nearly cancels has lost digits, and a lag may have a height.
+  if (projection_.active_count == 0) state.normal = lag;  // capped before it reached a plane
+  if (motion_plane_) state.normal = motion_plane_->part_of(state.normal);
   if (projection_.active_count == 0) {
-    state.normal = lag.normalized();  // the tick was capped before it reached a plane
+    state.normal.normalize();
   } else if (state.normal.norm() <= kCancelledNormal) {
     state.normal.setZero();
   } else {

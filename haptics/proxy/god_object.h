@@ -392,7 +392,7 @@ class GodObject {
   double step_tolerance_m_;  // a step shorter than this has converged
   Vec3 proxy_ = Vec3::Zero();
   Vec3 goal_ = Vec3::Zero();
-  std::vector<Vec3> path_;  // reserved for the largest number of corners
+  std::vector<Vec3> path_;                   // reserved for the largest number of corners
   std::optional<MotionPlane> motion_plane_;  // through goal_
 
   // The contact planes met, and the contacts that they belong to.

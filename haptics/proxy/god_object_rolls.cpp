@@ -91,7 +91,8 @@ bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reac
     const std::size_t count = tangents_round(from, to, reach, corners);
     corners[count] = target;
     if (motion_plane_) {
-      for (Vec3& corner : std::span(corners).first(count + 1)) corner = point_in_motion_plane(corner);
+      for (Vec3& corner : std::span(corners).first(count + 1))
+        corner = point_in_motion_plane(corner);
     }
     const double part = part_free(std::span(corners).first(count + 1));
     if (part == 1.0) {

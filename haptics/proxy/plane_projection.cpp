@@ -245,9 +245,10 @@ class PlaneSearch {
   // is within rounding, the solution is y = 0; if it is larger, the planes were ill-conditioned and
   // the problem is not solved.
   void keep_near(Basis& basis) const {
-    const double gain = start_ == Feasibility::kMustMove
-                            ? 0.0
-                            : target_.squaredNorm() - (basis.displacement_m - target_).squaredNorm();
+    const double gain =
+        start_ == Feasibility::kMustMove
+            ? 0.0
+            : target_.squaredNorm() - (basis.displacement_m - target_).squaredNorm();
     if (gain < -kMonotoneRoundoff * target_.squaredNorm()) {
       basis = {};
       return;
@@ -284,9 +285,9 @@ PlaneProjection project_within(const MotionPlane& motion_plane,
   for (std::size_t i = 0; i < planes.size(); ++i) {
     lines[i] = {motion_plane.to_plane(planes[i].normal), planes[i].offset_m};
   }
-  const Projection<Vec2> nearest = project_onto_planes(
-      std::span<const HalfSpace<Vec2>>(lines).first(planes.size()), motion_plane.to_plane(target),
-      start);
+  const Projection<Vec2> nearest =
+      project_onto_planes(std::span<const HalfSpace<Vec2>>(lines).first(planes.size()),
+                          motion_plane.to_plane(target), start);
   const bool is_free = nearest.solved && nearest.active_count == 0;
   return {is_free ? target : motion_plane.to_solver(nearest.displacement_m), nearest.active,
           nearest.active_count, nearest.solved};

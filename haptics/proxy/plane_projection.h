@@ -13,8 +13,8 @@
 
 namespace palpate {
 
-// The half-space normal . y >= offset_m of displacements y from the proxy, in metres. Vec is Vec3 in
-// the solver frame, and Vec2 in the coordinates of a plane of motion, where it is a half-plane.
+// The half-space normal . y >= offset_m of displacements y from the proxy, in metres. Vec is Vec3
+// in the solver frame, and Vec2 in the coordinates of a plane of motion, where it is a half-plane.
 template <typename Vec>
 struct HalfSpace {
   Vec normal;       // unit, towards the proxy's side
@@ -63,8 +63,8 @@ PlaneProjection project_within(const MotionPlane& motion_plane,
                                std::span<const ContactPlane> planes, const Vec3& target,
                                Feasibility start = Feasibility::kAtStart) noexcept;
 
-// The least displacement that satisfies every plane although y = 0 may not, within a plane of motion
-// if there is one.
+// The least displacement that satisfies every plane although y = 0 may not, within a plane of
+// motion if there is one.
 inline PlaneProjection least_displacement(std::span<const ContactPlane> planes,
                                           const std::optional<MotionPlane>& motion_plane) noexcept {
   const Vec3 none = Vec3::Zero();
@@ -92,10 +92,10 @@ inline Vec3 crossing_line(const Vec3& normal, const Vec3& other) noexcept {
   return (line - line.dot(normal) * normal).normalized();
 }
 
-// The constraint that a contact plane imposes on a proxy that keeps to a plane of motion. The normal
-// of the constraint lies in the plane of motion. Returns nullopt if the two planes are parallel to
-// within half the digits of double, because such a contact plane cannot push the proxy within the
-// plane of motion.
+// The constraint that a contact plane imposes on a proxy that keeps to a plane of motion. The
+// normal of the constraint lies in the plane of motion. Returns nullopt if the two planes are
+// parallel to within half the digits of double, because such a contact plane cannot push the proxy
+// within the plane of motion.
 std::optional<ContactPlane> within_plane(const ContactPlane& plane,
                                          const MotionPlane& motion_plane) noexcept;
 // The same, or the contact plane itself if there is no plane of motion.
