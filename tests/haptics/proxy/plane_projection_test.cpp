@@ -244,5 +244,93 @@ TEST(PlaneProjection, InAPlaneIsTheNearestPointOfAllPairsOrNotSolved) {
   EXPECT_GT(unsolved, 1000);
 }
 
+// Three planes that close on the proxy within its plane of motion leave no space there. Rounding,
+// or an angle at which a face is nearly parallel to the plane of motion, turns their normals a
+// little out of it. The planes then meet far away from the plane of motion, where the device cannot
+// be.
+TEST(PlaneProjection, IsNotSolvedIfTheMeetingPointIsOutsideOfThePlaneOfMotion) {
+  Random random(44);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const MotionPlane motion_plane(random.unit_vector());
+    const double size_m = std::pow(10.0, random.uniform(-9.0, 0.0));
+    const double first_rad = random.uniform(0.0, 2 * std::numbers::pi);
+    std::vector<ContactPlane> planes;
+    for (int i = 0; i < 3; ++i) {
+      const double angle_rad = first_rad + i * 2.0 + random.uniform(-0.3, 0.3);
+      const Vec3 within = motion_plane.to_solver({std::cos(angle_rad), std::sin(angle_rad)});
+      const double lean = std::pow(10.0, random.uniform(-17.0, -8.0));
+      planes.push_back(
+          {(within + lean * random.unit_vector()).normalized(), size_m * random.uniform(0.1, 1.0)});
+    }
+    const PlaneProjection answer =
+        project_within(motion_plane, planes, Vec3::Zero(), Feasibility::kMustMove);
+    ASSERT_FALSE(answer.solved) << trial;
+    ASSERT_TRUE(answer.displacement_m.isZero(0.0)) << trial;
+  }
+}
+
+// The displacement within a tilted plane of motion keeps its planes, and needs no correction.
+TEST(PlaneProjection, StaysWithinAPlaneOfMotion) {
+  Random random(45);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Vec3 normal = random.unit_vector();
+    const MotionPlane motion_plane(normal);
+    const double size_m = std::pow(10.0, random.uniform(-9.0, 0.0));
+    std::vector<ContactPlane> planes;
+    for (std::size_t i = 0; i < 1 + random.index(6); ++i) {
+      Vec3 face = random.unit_vector();
+      if (random.index(2)) face = (normal + std::pow(10.0, random.uniform(-7.0, 0.0)) * face);
+      const auto plane =
+          within_plane({face.normalized(), size_m * random.uniform(-1.0, 0.2)}, motion_plane);
+      if (plane) planes.push_back(*plane);
+    }
+    const PlaneProjection answer =
+        project_within(motion_plane, planes, Vec3::Zero(), Feasibility::kMustMove);
+    const Vec3& y = answer.displacement_m;
+    ASSERT_LE(std::abs(normal.dot(y)), kRounded * y.norm()) << trial;
+    for (const ContactPlane& plane : planes) {
+      ASSERT_LE(std::abs(plane.normal.dot(normal)), kRounded) << trial;
+      if (!answer.solved) continue;
+      ASSERT_LE(plane.offset_m - plane.normal.dot(y),
+                kRounded * (y.norm() + std::abs(plane.offset_m)))
+          << trial;
+    }
+  }
+}
+
+// The definition of "solved" in three coordinates, for planes whose normals nearly lie in a plane
+// or in a line.
+TEST(PlaneProjection, IsSolvedOnlyIfTheDisplacementKeepsAllPlanes) {
+  Random random(46);
+  int solved = 0;
+  for (int trial = 0; trial < 200000; ++trial) {
+    const bool is_at_start = random.index(2) == 0;
+    const Vec3 flat = random.unit_vector();
+    const double lean = std::pow(10.0, random.uniform(-17.0, 0.0));
+    const double size_m = std::pow(10.0, random.uniform(-12.0, 0.0));
+    std::vector<ContactPlane> planes(3 + random.index(3));
+    Vec3 normal = random.unit_vector();
+    for (ContactPlane& plane : planes) {
+      if (random.index(2)) normal = random.unit_vector();
+      const Vec3 within = normal - normal.dot(flat) * flat;
+      plane.normal = (within.normalized() + lean * random.unit_vector()).normalized();
+      plane.offset_m = size_m * random.uniform(-1.0, is_at_start ? 0.0 : 1.0);
+    }
+    Vec3 target = Vec3::Zero();
+    if (is_at_start) target = std::pow(10.0, random.uniform(-12.0, 2.0)) * random.unit_vector();
+    const PlaneProjection answer = project_onto_planes(
+        planes, target, is_at_start ? Feasibility::kAtStart : Feasibility::kMustMove);
+    if (!answer.solved) continue;
+    ++solved;
+    const Vec3& y = answer.displacement_m;
+    for (const ContactPlane& plane : planes) {
+      ASSERT_LE(plane.offset_m - plane.normal.dot(y),
+                kRounded * (y.norm() + std::abs(plane.offset_m) + target.norm()))
+          << trial;
+    }
+  }
+  EXPECT_GT(solved, 100000);
+}
+
 }  // namespace
 }  // namespace palpate
