@@ -23,6 +23,11 @@ constexpr double kSameDirection = 0.9;
 // on is approached in small steps.
 constexpr double kMostGrowth = 16.0;
 
+// Largest length of the lift off a surface on which a proxy is placed. Planes that meet farther
+// away differ in less than half of the digits of their normals, and rounding decides where they
+// meet.
+constexpr double kMostLiftPerStandOff = 0x1p26;  // about the inverse root of double's epsilon
+
 // A step enters the world's bounds and then moves straight or round a feature. An iteration takes
 // one step, and one more if it improves a rest.
 constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
@@ -88,7 +93,8 @@ bool GodObject::place(const Vec3& p, const std::optional<Vec3>& motion_plane_nor
   }
   const PlaneProjection lift =
       least_displacement(std::span(planes).first(plane_count), motion_plane_);
-  if (lift.solved) proxy_ += lift.displacement_m;
+  const double most_m = kMostLiftPerStandOff * scale().stand_off_m;
+  if (lift.solved && lift.displacement_m.norm() <= most_m) proxy_ += lift.displacement_m;
   return true;
 }
 
@@ -467,8 +473,8 @@ ProxyState GodObject::report(int iterations, bool capped) const {
     state.normal += planes_of_contact_[projection_.active[i]].normal;
   }
   if (projection_.active_count == 1) return state;
-  // A sum that nearly cancels has lost digits, and a lag may have a height.
   if (projection_.active_count == 0) state.normal = lag;  // capped before it reached a plane
+  // The rounding of a sum that nearly cancels may lead out of the plane.
   if (motion_plane_) state.normal = motion_plane_->part_of(state.normal);
   if (projection_.active_count == 0) {
     state.normal.normalize();

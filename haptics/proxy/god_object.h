@@ -114,8 +114,8 @@ class GodObject {
 
   // Places the proxy at p. If p is within a stand-off of a surface, where the side is undecided,
   // the proxy is lifted to a stand-off in front of the faces there, within the plane of motion
-  // through p if its unit normal is given. Returns false and changes nothing if p or the normal is
-  // invalid.
+  // through p if its unit normal is given. If the faces meet so far away that rounding decides
+  // where, the proxy stays at p. Returns false and changes nothing if p or the normal is invalid.
   bool place(const Vec3& p, const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
   // Moves a body without pushing the proxy; for use before the proxy has been placed. Returns false

@@ -16,8 +16,10 @@
 
 #include <gtest/gtest.h>
 
+#include "haptics/haptic_loop.h"
 #include "haptics/proxy/anisotropic_norm.h"
 #include "haptics/proxy/god_object.h"
+#include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/hard_case_proxy.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
@@ -25,6 +27,7 @@
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
+#include "tests/helpers/ticks.h"
 
 namespace palpate {
 namespace {
@@ -57,7 +60,7 @@ const char* name_of(PlanarKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-double log_uniform(Random& random, double low_exponent, double high_exponent) {
+double power_of_ten(Random& random, double low_exponent, double high_exponent) {
   return std::pow(10.0, random.uniform(low_exponent, high_exponent));
 }
 
@@ -69,10 +72,10 @@ Vec3 some_normal(Random& random) {
     case 0:
       return n;
     case 1:
-      n.z() *= log_uniform(random, -17.0, -2.0);
+      n.z() *= power_of_ten(random, -17.0, -2.0);
       return n.normalized();
     default:
-      n.head<2>() *= log_uniform(random, -9.0, -1.0);
+      n.head<2>() *= power_of_ten(random, -9.0, -1.0);
       n.z() = n.z() < 0.0 ? -1.0 : 1.0;
       return n.normalized();
   }
@@ -93,7 +96,7 @@ void add_triangle(Random& random, Soup& soup, const Vec3& normal, double height_
 Soup jaw(Random& random) {
   Soup soup;
   const Vec3 normal = some_normal(random);
-  const double spread = log_uniform(random, -16.0, 0.0);
+  const double spread = power_of_ten(random, -16.0, 0.0);
   const std::size_t count = 1 + random.index(4);
   for (std::size_t i = 0; i < count; ++i) {
     const double height_m = random.index(2) ? 0.0 : random.uniform(-0.01, 0.01);
@@ -107,7 +110,7 @@ Soup jaw(Random& random) {
 Soup prism(Random& random) {
   Soup soup;
   const std::size_t count = 3 + random.index(5);
-  const double lean = random.index(2) ? 0.0 : log_uniform(random, -16.0, -1.0);
+  const double lean = random.index(2) ? 0.0 : power_of_ten(random, -16.0, -1.0);
   const auto at = [&](std::size_t i, double z) {
     const double angle_rad =
         2 * std::numbers::pi * static_cast<double>(i % count) / static_cast<double>(count);
@@ -211,13 +214,13 @@ class PlanarRun {
   double pick_radius_m() {
     const bool is_sphere =
         kind_ == PlanarKind::kSphere || (kind_ == PlanarKind::kFriction && random_.index(2) == 0);
-    return is_sphere ? log_uniform(random_, -4.0, -1.5) : 0.0;
+    return is_sphere ? power_of_ten(random_, -4.0, -1.5) : 0.0;
   }
 
   // Zero, or up to 1000 sizes.
   Vec3 pick_offset_m() {
     if (random_.index(2)) return Vec3::Zero();
-    return kSize_m * log_uniform(random_, 0.0, 3.0) * random_.unit_vector();
+    return kSize_m * power_of_ten(random_, 0.0, 3.0) * random_.unit_vector();
   }
 
   RigidTransform pick_plane() {
@@ -229,7 +232,7 @@ class PlanarRun {
     const double angle_rad = random_.uniform(0.0, 2 * std::numbers::pi);
     const std::array<Vec3, 1> axis{
         T_solver_plane_.direction(Vec3(std::cos(angle_rad), std::sin(angle_rad), 0.0))};
-    return AnisotropicNorm(log_uniform(random_, -1.0, 1.0), axis);
+    return AnisotropicNorm(power_of_ten(random_, -1.0, 1.0), axis);
   }
 
   OwnedBodies make_bodies() {
@@ -296,9 +299,9 @@ class PlanarRun {
     habit.rests = random_.index(5) == 0;
     habit.turns = random_.index(2) == 0;
     habit.turns_about_proxy = random_.index(3) == 0;
-    habit.step_m = log_uniform(random_, -6.0, -1.5) * some_heading(b);
+    habit.step_m = power_of_ten(random_, -6.0, -1.5) * some_heading(b);
     const Vec3 axis = random_.index(2) ? random_.unit_vector() : normal_;
-    habit.turn_rad = log_uniform(random_, -6.0, -0.5) * axis;
+    habit.turn_rad = power_of_ten(random_, -6.0, -0.5) * axis;
     if (random_.index(2)) habit.turn_rad = -habit.turn_rad;
     return habit;
   }
@@ -377,7 +380,7 @@ class PlanarRun {
       const test::Corners& t = some_triangle(aimed_);
       aim_body_ = random_.index(2) ? t.a : Vec3((t.a + t.b + t.c) / 3.0);
       pace_ = random_.index(4) ? random_.uniform(0.0, 0.3) : 0.0;
-      tremor_m_ = random_.index(3) ? log_uniform(random_, -9.0, -3.0) : 0.0;
+      tremor_m_ = random_.index(3) ? power_of_ten(random_, -9.0, -3.0) : 0.0;
     }
     const Vec3 aim = T_solver_plane_.inverse_point(placed(aimed_).to_solver(aim_body_));
     hand_ += pace_ * (aim - hand_) + random_.in_box(tremor_m_);
@@ -454,6 +457,32 @@ class PlanarRun {
   int n_ = 0;
 };
 
+// A proxy that is placed on a face is lifted within the plane, or not at all.
+TEST(PlanarProxiesPlaced, KeepToTheirPlane) {
+  Random random(47);
+  int lifts = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const RigidTransform T_solver_plane = random.pose(1.0);
+    const Vec3 normal = T_solver_plane.direction(Vec3::UnitZ());
+    const OwnedBodies bodies({{some_body(random), T_solver_plane}});
+    GodObject god_object(bodies.world(), {});
+    const auto triangles = bodies.triangles(0);
+    for (int place = 0; place < 10; ++place) {
+      const test::Corners& t = triangles[random.index(triangles.size())];
+      const double part = random.index(3) ? random.uniform(0.0, 1.0) : 0.0;
+      const Vec3 off = 2 * god_object.scale().stand_off_m * random.in_box(1.0);
+      const Vec3 p = T_solver_plane.point(t.a + part * (t.b - t.a)) + off;
+      ASSERT_TRUE(god_object.place(p, normal));
+      const Vec3 lift = god_object.proxy() - p;
+      lifts += !lift.isZero(0.0);
+      const double coordinates_m = p.lpNorm<1>() + god_object.proxy().lpNorm<1>();
+      ASSERT_LE(std::abs(normal.dot(lift)), kPlanarRoundoff * coordinates_m) << trial;
+      ASSERT_LE(lift.norm(), 1e-3 * bodies.world().size_m) << trial;
+    }
+  }
+  EXPECT_GT(lifts, 5000);
+}
+
 class PlanarProxies : public testing::TestWithParam<PlanarKind> {};
 
 TEST_P(PlanarProxies, StayInTheirPlane) {
@@ -485,6 +514,53 @@ INSTANTIATE_TEST_SUITE_P(Of, PlanarProxies,
                          testing::Values(PlanarKind::kPoint, PlanarKind::kSphere,
                                          PlanarKind::kFriction, PlanarKind::kInNorm),
                          [](const auto& kind) { return std::string(name_of(kind.param)); });
+
+// The whole loop: a scene that lies tilted and far from the origin in the device frame, and that A4
+// turns, with a body that is driven at the proxy. The proxy is in the plane of the device, and the
+// record says when the body is held.
+TEST(PlanarLoops, KeepTheProxyInThePlaneOfTheDevice) {
+  int contacts = 0;
+  int held = 0;
+  const int scenes = std::max(4, test::trials(100));
+  for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(scenes); ++seed) {
+    Random random(seed);
+    const OwnedBodies bodies({{jaw(random), {}}, {prism(random), {}}, {some_body(random), {}}});
+    ContactWorld world = bodies.world();
+    world.anchor_scene_m = 200.0 * random.uniform(0.0, 1.0) * random.unit_vector();
+    HapticSettings settings;
+    settings.a4.enabled = random.index(2) == 0;
+    settings.initial_pose = random.pose(100.0);
+    Vec3 hand_m = settings.initial_pose.point(world.to_scene(random.in_box(0.02)));
+    settings.plane_height_m = hand_m.z();
+    HapticLoop loop(world, *ActuationModel::from_counts(2, 1), settings);
+    RigidTransform T_scene_body;
+    Vec3 step_m = Vec3::Zero();
+    for (int n = 0; n < kPlanarTicks; ++n) {
+      if (n % 20 == 0) step_m = power_of_ten(random, -5.0, -2.0) * random.unit_vector();
+      T_scene_body = loop.T_scene_body(0);
+      const Vec3 home_m = 0.05 * (world.anchor_scene_m - T_scene_body.translation_m);
+      T_scene_body.translation_m += step_m + home_m;
+      loop.move_body(0, T_scene_body);
+      hand_m += random.in_box(1e-3);
+      const TickRecord& record = loop.tick(hand_m, test::kTick_s);
+      const ScenePose pose = pose_before(record);
+      const Vec3 proxy_scene_m = vec3(record.proxy_scene_m);
+      const double coordinates_m = world.anchor_scene_m.lpNorm<1>() + proxy_scene_m.lpNorm<1>() +
+                                   pose.translation_m.lpNorm<1>() + hand_m.lpNorm<1>();
+      const double height_m = pose.point(proxy_scene_m).z() - settings.plane_height_m;
+      ASSERT_LE(std::abs(height_m), kPlanarRoundoff * coordinates_m) << "tick " << n;
+      const Vec3 at_m = world.to_solver(loop.T_scene_body(0).translation_m);
+      const bool is_there =
+          (at_m - world.to_solver(T_scene_body.translation_m)).norm() <= 0x1p-50 * coordinates_m;
+      ASSERT_EQ((record.faults & kFaultBodyHeld) == 0, is_there) << "tick " << n;
+      contacts += record.contact;
+      held += !is_there;
+    }
+    if (std::getenv("PALPATE_SEED")) return;
+  }
+  EXPECT_GT(contacts, scenes * kPlanarTicks / 20);
+  EXPECT_GT(held, scenes);
+}
 
 }  // namespace
 }  // namespace palpate
