@@ -194,10 +194,9 @@ Vec3 GodObject::leave_bounds(const Vec3& target) const {
   return bounds_.clip(proxy_, step, enter, leave) ? Vec3(proxy_ + leave * step) : target;
 }
 
-// Moves towards a target, within the plane of motion, up to the first obstacle, and adds the plane
-// of the obstacle. Nullopt if the proxy reached the target.
-std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& wanted) {
-  const Vec3 target = point_in_motion_plane(wanted);
+// Moves towards the target up to the first obstacle, and adds the plane of the obstacle. Nullopt if
+// the proxy reached the target.
+std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& target) {
   std::optional<TraceHit> hit = tracer_.trace(proxy_, target);
   if (tracer_.is_cut_short()) return Progress::kStuck;
   if (!hit) {

@@ -247,7 +247,7 @@ class GodObject {
   PlaneProjection project(const Friction& friction, std::span<const ContactPlane> planes) const;
   template <typename Friction>
   Progress take_step(Friction& friction);
-  std::optional<Progress> stop_at_first_hit(const Vec3& wanted);
+  std::optional<Progress> stop_at_first_hit(const Vec3& target);
   bool is_off_planes() const;
   bool touches_planes() const;
   Vec3 step_to_planes() const;
@@ -368,9 +368,10 @@ class GodObject {
   Vec3 onto_motion_plane(const Vec3& step) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
-  // The target of a step, or the point where the step leaves the world's bounds, beyond which
-  // nothing can be touched.
-  Vec3 within_bounds(const Vec3& target) const {
+  // The end of an attempted step in the plane of motion, or the point where this step leaves the
+  // world's bounds, beyond which nothing can be touched.
+  Vec3 end_of_step(const Vec3& step) const {
+    const Vec3 target = point_in_motion_plane(proxy_ + step);
     return bounds_.contains(target) ? target : leave_bounds(target);
   }
   Vec3 leave_bounds(const Vec3& target) const;

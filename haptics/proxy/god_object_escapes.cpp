@@ -102,7 +102,7 @@ bool GodObject::is_stopped_by_rounding(const Vec3& step) {
     return -contact.normal.dot(step) > place_roundoff_m();
   });
   if (falls) return false;
-  const auto hit = tracer_.trace(proxy_, within_bounds(proxy_ + step));
+  const auto hit = tracer_.trace(proxy_, end_of_step(step));
   return hit && std::any_of(touched.begin(), touched.end(), [&](const FaceContact& contact) {
            return contact.face == hit->contact.face;
          });

@@ -255,7 +255,7 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
     friction.begin_step();
     friction.cone = friction.source->cones.at(face, proxy_);
     const double part = friction.part_left(along.norm(), (goal_ - proxy_ - along).norm());
-    stop_at_first_hit(within_bounds(proxy_ + part * along));
+    stop_at_first_hit(end_of_step(part * along));
   });
 }
 
@@ -317,7 +317,7 @@ bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
   projection_ = {step, {0, 1, 2}, plane_count_, true};
   return tries(friction, [&] {
     if constexpr (Friction::kHolds) hold_by(friction);
-    stop_at_first_hit(within_bounds(proxy_ + projection_.displacement_m));
+    stop_at_first_hit(end_of_step(projection_.displacement_m));
   });
 }
 
@@ -419,7 +419,7 @@ template <typename Friction>
 bool GodObject::goes_straight(const Vec3& step, Friction& friction,
                               std::optional<TraceHit>* obstacle) {
   if (tracer_.is_cut_short()) return false;
-  const Vec3 target = within_bounds(proxy_ + step);
+  const Vec3 target = end_of_step(step);
   const auto hit = tracer_.trace(proxy_, target);
   if (obstacle) *obstacle = hit;
   if (hit && !may_gain_by(friction, hit->fraction.value() * (target - proxy_))) return false;

@@ -326,7 +326,7 @@ GodObject::Attempt GodObject::fall_from_beyond(const Vec3& displacement, int mos
   const double farthest_m =
       leads_m + std::sqrt(leads_m * leads_m + (most_lag_m_ + lag_m) * (most_lag_m_ - lag_m));
   const double beyond_m = std::min(length_m, farthest_m);
-  const Vec3 target = proxy_ + beyond_m * *along;
+  const Vec3 target = point_in_motion_plane(proxy_ + beyond_m * *along);
   if (!bounds_.contains(target)) return {};
   const ProxyPlace before = place_now();
   stop_at_first_hit(target);

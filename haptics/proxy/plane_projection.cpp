@@ -1,7 +1,6 @@
 #include "haptics/proxy/plane_projection.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <optional>
 
@@ -111,156 +110,154 @@ double violation_m(const HalfSpace<Vec>& plane, const Vec& y_m) {
   return plane.offset_m - plane.normal.dot(y_m) - roundoff_m;
 }
 
-// The search for the minimiser, in two or three coordinates.
+// A basis: the active planes in ascending order and the displacement that lies on all of them.
 template <typename Vec>
-class PlaneSearch {
- public:
-  // A basis: the active planes in ascending order and the displacement that lies on all of them.
-  using Basis = Projection<Vec>;
+bool has(const Projection<Vec>& basis, int plane) {
+  const auto end = basis.active.begin() + basis.active_count;
+  return std::find(basis.active.begin(), end, plane) != end;
+}
 
-  PlaneSearch(std::span<const HalfSpace<Vec>> planes, const Vec& target, Feasibility start)
-      : planes_(planes), target_(target), start_(start) {}
-
-  Basis run() const {
-    Basis basis;
-    basis.displacement_m = target_;
-    if (planes_.size() == 1) {  // the most frequent case
-      const bool is_violated = violation_m(planes_[0], target_) > 0.0;
-      const std::optional<Vec> y = is_violated ? on_one(planes_[0], target_) : target_;
-      if (!y) return {};
-      basis.displacement_m = *y;
-      basis.active_count = is_violated ? 1 : 0;
-      keep_near(basis);
-      return basis;
-    }
-    int left = kMostExchangesPerPlane * static_cast<int>(planes_.size());
-    while (static_cast<std::size_t>(basis.active_count) < planes_.size()) {
-      const int added = most_violated(basis);
-      if (added < 0) break;
-      if (left-- == 0) return {};
-      if (basis.active_count == 0) {
-        basis.active = {added, 0, 0};
-        basis.active_count = 1;
-        if (!solve(basis)) return {};
-        continue;
-      }
-      auto next = exchange(basis, added, 0.0);
-      if (!next) {
-        // If planes nearly coincide, each solution may violate the others by its own rounding.
-        if (violation_m(plane(added), basis.displacement_m) <= rounding_m()) break;
-        next = exchange(basis, added, rounding_m());
-        if (!next) return {};
-      }
-      basis = *next;
-    }
-    // Bases of one or two planes are on their planes to within rounding; three planes that nearly
-    // lie in one direction may meet at a point that rounding displaces.
-    if (basis.active_count == 3 && !is_on_active_planes(basis)) return {};
-    keep_near(basis);
-    return basis;
+// Computes the point on all planes of the basis that is nearest to the target. True if every plane
+// pushes.
+template <typename Vec>
+bool solve(std::span<const HalfSpace<Vec>> planes, const Vec& target, Projection<Vec>& basis) {
+  const auto plane = [&](std::size_t i) -> const HalfSpace<Vec>& {
+    return planes[static_cast<std::size_t>(basis.active[i])];
+  };
+  std::optional<Vec> y;
+  if (basis.active_count == 1) {
+    y = on_one(plane(0), target);
+  } else if (basis.active_count == 2) {
+    y = on_two(plane(0), plane(1), target);
+  } else if constexpr (Vec::SizeAtCompileTime == 3) {
+    y = on_three(plane(0), plane(1), plane(2), target);
   }
+  if (y) basis.displacement_m = *y;
+  return y.has_value();
+}
 
- private:
-  // The planes of a basis other than the one that was added last.
-  static constexpr int kMostOthers = static_cast<int>(Vec::SizeAtCompileTime) - 1;
-
-  const HalfSpace<Vec>& plane(int i) const { return planes_[static_cast<std::size_t>(i)]; }
-
-  // Rounding of the target's part along a plane.
-  double rounding_m() const { return kCancelled * target_.norm(); }
-
-  static bool has(const Basis& basis, int plane) {
-    const auto end = basis.active.begin() + basis.active_count;
-    return std::find(basis.active.begin(), end, plane) != end;
+// The index of the most violated plane, or -1.
+template <typename Vec>
+int most_violated(std::span<const HalfSpace<Vec>> planes, const Projection<Vec>& basis) {
+  int most = -1;
+  double by_m = 0.0;
+  for (int i = 0; i < static_cast<int>(planes.size()); ++i) {
+    if (has(basis, i)) continue;
+    const double v_m = violation_m(planes[static_cast<std::size_t>(i)], basis.displacement_m);
+    if (v_m <= by_m) continue;
+    most = i;
+    by_m = v_m;
   }
+  return most;
+}
 
-  // Computes the point on all planes of the basis that is nearest to the target. True if every
-  // plane pushes.
-  bool solve(Basis& basis) const {
-    std::optional<Vec> y;
-    if (basis.active_count == 1) {
-      y = on_one(plane(basis.active[0]), target_);
-    } else if (basis.active_count == 2) {
-      y = on_two(plane(basis.active[0]), plane(basis.active[1]), target_);
-    } else if constexpr (kMostOthers == 2) {
-      y = on_three(plane(basis.active[0]), plane(basis.active[1]), plane(basis.active[2]), target_);
-    }
-    if (y) basis.displacement_m = *y;
-    return y.has_value();
-  }
-
-  // The index of the most violated plane, or -1.
-  int most_violated(const Basis& basis) const {
-    int most = -1;
-    double by_m = 0.0;
-    for (int i = 0; i < static_cast<int>(planes_.size()); ++i) {
-      if (has(basis, i)) continue;
-      const double v_m = violation_m(plane(i), basis.displacement_m);
-      if (v_m <= by_m) continue;
-      most = i;
-      by_m = v_m;
-    }
-    return most;
-  }
-
-  // The basis for the planes of `basis` and the plane `added`, which `basis` violates. Planes of
-  // `basis` that are not in the new basis are satisfied to within slack_m.
-  std::optional<Basis> exchange(const Basis& basis, int added, double slack_m) const {
-    const auto holds_for_all = [&](const Basis& next) {
-      for (int i = 0; i < basis.active_count; ++i) {
-        const int other = basis.active[static_cast<std::size_t>(i)];
-        if (has(next, other)) continue;
-        if (violation_m(plane(other), next.displacement_m) > slack_m) return false;
-      }
-      return true;
-    };
-    // Bases of the added plane and zero, one or two others, whose bits are set in `chosen`.
-    constexpr int kSubsetsBySize[] = {0b000, 0b001, 0b010, 0b100, 0b011, 0b101, 0b110};
-    for (const int chosen : kSubsetsBySize) {
-      if (chosen >> basis.active_count != 0) continue;
-      if (std::popcount(static_cast<unsigned>(chosen)) > kMostOthers) continue;
-      Basis next;
-      next.active[0] = added;
-      next.active_count = 1;
-      for (int i = 0; i < basis.active_count; ++i) {
-        if ((chosen >> i & 1) == 0) continue;
-        next.active[static_cast<std::size_t>(next.active_count++)] =
-            basis.active[static_cast<std::size_t>(i)];
-      }
-      std::sort(next.active.begin(), next.active.begin() + next.active_count);
-      if (solve(next) && holds_for_all(next)) return next;
-    }
-    return std::nullopt;
-  }
-
-  bool is_on_active_planes(const Basis& basis) const {
+// The basis for the planes of `basis` and the plane `added`, which `basis` violates. Planes of
+// `basis` that are not in the new basis are satisfied to within slack_m.
+template <typename Vec>
+std::optional<Projection<Vec>> exchange(std::span<const HalfSpace<Vec>> planes, const Vec& target,
+                                        const Projection<Vec>& basis, int added, double slack_m) {
+  const auto holds_for_all = [&](const Projection<Vec>& next) {
     for (int i = 0; i < basis.active_count; ++i) {
-      const int active = basis.active[static_cast<std::size_t>(i)];
-      if (violation_m(plane(active), basis.displacement_m) > rounding_m()) return false;
+      const int other = basis.active[static_cast<std::size_t>(i)];
+      if (has(next, other)) continue;
+      if (violation_m(planes[static_cast<std::size_t>(other)], next.displacement_m) > slack_m) {
+        return false;
+      }
     }
     return true;
-  }
-
-  // Rejects a solution that is farther from the target than the feasible y = 0. If the difference
-  // is within rounding, the solution is y = 0; if it is larger, the planes were ill-conditioned and
-  // the problem is not solved.
-  void keep_near(Basis& basis) const {
-    const double gain =
-        start_ == Feasibility::kMustMove
-            ? 0.0
-            : target_.squaredNorm() - (basis.displacement_m - target_).squaredNorm();
-    if (gain < -kMonotoneRoundoff * target_.squaredNorm()) {
-      basis = {};
-      return;
+  };
+  // Bases of the added plane and zero or one other, and in three coordinates also two others, whose
+  // bits are set in `chosen`.
+  constexpr std::array kSubsetsBySize{0b000, 0b001, 0b010, 0b100, 0b011, 0b101, 0b110};
+  constexpr std::size_t kSubsets = Vec::SizeAtCompileTime == 3 ? kSubsetsBySize.size() : 3;
+  for (const int chosen : std::span(kSubsetsBySize).template first<kSubsets>()) {
+    if (chosen >> basis.active_count != 0) continue;
+    Projection<Vec> next;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if ((chosen >> i & 1) != 0) next.active[count++] = basis.active[i];
     }
-    if (gain < 0.0) basis.displacement_m.setZero();
-    basis.solved = true;
+    std::size_t at = count;  // of the added plane, in ascending order
+    for (; at > 0 && next.active[at - 1] > added; --at) next.active[at] = next.active[at - 1];
+    next.active[at] = added;
+    next.active_count = static_cast<int>(count) + 1;
+    if (solve(planes, target, next) && holds_for_all(next)) return next;
   }
+  return std::nullopt;
+}
 
-  std::span<const HalfSpace<Vec>> planes_;
-  const Vec& target_;
-  Feasibility start_;
-};
+// Rounding of the target's part along a plane.
+template <typename Vec>
+double rounding_m(const Vec& target) {
+  return kCancelled * target.norm();
+}
+
+// Whether the displacement keeps the planes of its own basis. Points on one or two planes do;
+// rounding may displace the point in which three planes meet that nearly have a common direction.
+template <typename Vec>
+[[gnu::noinline]] bool keeps_own_planes(std::span<const HalfSpace<Vec>> planes, const Vec& target,
+                                        const Projection<Vec>& basis) {
+  return std::all_of(basis.active.begin(), basis.active.begin() + basis.active_count, [&](int i) {
+    const auto& plane = planes[static_cast<std::size_t>(i)];
+    return violation_m(plane, basis.displacement_m) <= rounding_m(target);
+  });
+}
+
+// Rejects a solution that is farther from the target than the feasible y = 0. If the difference is
+// within rounding, the solution is y = 0; if it is larger, the planes were ill-conditioned and the
+// problem is not solved.
+template <typename Vec>
+inline void keep_near(Projection<Vec>& basis, const Vec& target, Feasibility start) {
+  const double gain = start == Feasibility::kMustMove
+                          ? 0.0
+                          : target.squaredNorm() - (basis.displacement_m - target).squaredNorm();
+  if (gain < -kMonotoneRoundoff * target.squaredNorm()) {
+    basis = {};
+    return;
+  }
+  if (gain < 0.0) basis.displacement_m.setZero();
+  basis.solved = true;
+}
+
+template <typename Vec>
+Projection<Vec> nearest_of_all(std::span<const HalfSpace<Vec>> planes, const Vec& target,
+                               Feasibility start) {
+  Projection<Vec> basis;
+  basis.displacement_m = target;
+  if (planes.size() == 1) {  // the most frequent case
+    const bool is_violated = violation_m(planes[0], target) > 0.0;
+    const std::optional<Vec> y = is_violated ? on_one(planes[0], target) : target;
+    if (!y) return {};
+    basis.displacement_m = *y;
+    basis.active_count = is_violated ? 1 : 0;
+    keep_near(basis, target, start);
+    return basis;
+  }
+  int left = kMostExchangesPerPlane * static_cast<int>(planes.size());
+  while (static_cast<std::size_t>(basis.active_count) < planes.size()) {
+    const int added = most_violated(planes, basis);
+    if (added < 0) break;
+    if (left-- == 0) return {};
+    if (basis.active_count == 0) {
+      basis.active = {added, 0, 0};
+      basis.active_count = 1;
+      if (!solve(planes, target, basis)) return {};
+      continue;
+    }
+    auto next = exchange(planes, target, basis, added, 0.0);
+    if (!next) {
+      // If planes nearly coincide, each solution may violate the others by its own rounding.
+      const auto& violated = planes[static_cast<std::size_t>(added)];
+      if (violation_m(violated, basis.displacement_m) <= rounding_m(target)) break;
+      next = exchange(planes, target, basis, added, rounding_m(target));
+      if (!next) return {};
+    }
+    basis = *next;
+  }
+  if (basis.active_count == 3 && !keeps_own_planes(planes, target, basis)) return {};
+  keep_near(basis, target, start);
+  return basis;
+}
 
 // Normals count as linearly dependent if their triple product is smaller than this; the shares in
 // which they bear a force are then undetermined.
@@ -270,12 +267,12 @@ constexpr double kDependentNormals = 1e-8;  // half the digits of double
 
 PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
                                     Feasibility start) noexcept {
-  return PlaneSearch<Vec3>(planes, target, start).run();
+  return nearest_of_all(planes, target, start);
 }
 
 Projection<Vec2> project_onto_planes(std::span<const HalfSpace<Vec2>> planes, const Vec2& target,
                                      Feasibility start) noexcept {
-  return PlaneSearch<Vec2>(planes, target, start).run();
+  return nearest_of_all(planes, target, start);
 }
 
 PlaneProjection project_within(const MotionPlane& motion_plane,
