@@ -63,7 +63,7 @@ inline void HapticLoop::detect_collision() {
   const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));
   if constexpr ((kNeeds & kEffectNeeds) != kNeedsNothing) effects_->begin_tick();
   if (!has_proxy_) {
-    god_object_.place(goal_solver);
+    god_object_.place(goal_solver, motion_plane_normal());
     proxy_state_ = {};
     proxy_state_.proxy = god_object_.proxy();
     has_proxy_ = true;

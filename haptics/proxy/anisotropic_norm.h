@@ -30,8 +30,13 @@ class AnisotropicNorm {
   double length(const Vec3& v) const { return mixed(v, stretch_).norm(); }
 
   // The displacement to the point nearest to the target, in this norm, among those that satisfy
-  // every plane: see project_onto_planes().
-  PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target) const noexcept;
+  // every plane: see project_onto_planes(), or project_within() for a plane of motion, in which the
+  // axes must lie.
+  PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target,
+                          const MotionPlane* motion_plane = nullptr) const noexcept;
+  // Whether the axes lie in the plane of motion with this unit normal, to within the rounding of
+  // unit vectors (is_unit).
+  bool is_within(const Vec3& motion_plane_normal) const noexcept;
   // The point of a line through 0 that is nearest to v, in this norm. line: its unit direction.
   Vec3 along(const Vec3& v, const Vec3& line) const {
     const Vec3 weighted = mixed(line, anisotropy_);

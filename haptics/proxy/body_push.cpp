@@ -19,15 +19,9 @@ constexpr double kFarthestPerMotion = 64.0;
 // The search for a new position of the proxy while one body moves, with the contact planes met.
 class PushedProxy {
  public:
-  PushedProxy(SegmentTracer& tracer, std::uint32_t body, const ContactBody& placed,
-              const Vec3& start_body, const Vec3& proxy,
-              const std::optional<Vec3>& motion_plane_normal)
-      : tracer_(tracer),
-        body_(body),
-        placed_(placed),
-        start_body_(start_body),
-        proxy_(proxy),
-        motion_plane_normal_(motion_plane_normal) {}
+  PushedProxy(SegmentTracer& tracer, const Push& push, const ContactBody& placed,
+              const Vec3& start_body, const Vec3& proxy)
+      : tracer_(tracer), push_(push), placed_(placed), start_body_(start_body), proxy_(proxy) {}
 
   // The nearest position that neither the moving body nor another body blocks.
   std::optional<Vec3> to_nearest_place() {
@@ -38,13 +32,9 @@ class PushedProxy {
       if (!hit) return target;
       if (met == kMaxContactPlanes || !add_plane(*hit)) return std::nullopt;
       const auto planes = std::span(planes_).first(static_cast<std::size_t>(plane_count_));
-      const PlaneProjection least =
-          project_onto_planes(planes, Vec3::Zero(), Feasibility::kMustMove);
+      const PlaneProjection least = least_displacement(planes, push_.motion_plane);
       if (!least.solved) return std::nullopt;
-      target = proxy_ + least.displacement_m;
-      if (motion_plane_normal_) {
-        target -= motion_plane_normal_->dot(target - proxy_) * *motion_plane_normal_;
-      }
+      target = in_motion_plane(proxy_ + least.displacement_m);
       if (is_far(target)) return std::nullopt;
     }
     return std::nullopt;
@@ -52,12 +42,12 @@ class PushedProxy {
 
   // The position that the proxy had relative to the body, if the proxy can reach it.
   std::optional<Vec3> kept_place() {
-    Vec3 target = placed_.to_solver(start_body_);
-    if (motion_plane_normal_) {
-      target -= motion_plane_normal_->dot(target - proxy_) * *motion_plane_normal_;
-      if (tracer_.trace_in_body(body_, start_body_, placed_.to_body(target))) return std::nullopt;
+    const Vec3 target = in_motion_plane(placed_.to_solver(start_body_));
+    if (push_.motion_plane &&
+        tracer_.trace_in_body(push_.body, start_body_, placed_.to_body(target))) {
+      return std::nullopt;
     }
-    if (tracer_.trace_others(body_, proxy_, target)) return std::nullopt;
+    if (tracer_.trace_others(push_.body, proxy_, target)) return std::nullopt;
     return target;
   }
 
@@ -67,9 +57,9 @@ class PushedProxy {
     double fraction = 1.0;
     for (int shortened = 0; shortened <= kMostShortenedPushes + 1; ++shortened) {
       const Vec3 target = placed_.to_solver(start_body_ + fraction * along_body);
-      const auto hit = tracer_.trace_in_body(body_, start_body_, placed_.to_body(target));
+      const auto hit = tracer_.trace_in_body(push_.body, start_body_, placed_.to_body(target));
       if (!hit) {
-        if (tracer_.trace_others(body_, proxy_, target)) return std::nullopt;
+        if (tracer_.trace_others(push_.body, proxy_, target)) return std::nullopt;
         return target;
       }
       fraction *= shortened < kMostShortenedPushes ? hit->fraction.value() : 0.0;
@@ -82,14 +72,14 @@ class PushedProxy {
   std::optional<ContactPlane> first_obstacle(const Vec3& target) {
     const double stop_m = tracer_.scale().stop_m;
     const Vec3 target_body = placed_.to_body(target);
-    if (const auto hit = tracer_.trace_in_body(body_, start_body_, target_body)) {
+    if (const auto hit = tracer_.trace_in_body(push_.body, start_body_, target_body)) {
       const Vec3 stop =
           placed_.to_solver(start_body_ + hit->fraction.value() * (target_body - start_body_));
       const Vec3& normal = hit->contact.normal;
       return ContactPlane{normal, normal.dot(stop - proxy_) + stop_m - hit->contact.clearance_m};
     }
     if (target == proxy_) return std::nullopt;
-    if (const auto hit = tracer_.trace_others(body_, proxy_, target)) {
+    if (const auto hit = tracer_.trace_others(push_.body, proxy_, target)) {
       const Vec3& normal = hit->contact.normal;
       const Vec3 stop_from_proxy = hit->fraction.value() * (target - proxy_);
       const double room = hit->contact.clearance_m - stop_m - normal.dot(stop_from_proxy);
@@ -107,20 +97,23 @@ class PushedProxy {
     return (target - proxy_).squaredNorm() > farthest_m * farthest_m;
   }
 
+  // The point of the plane of motion nearest to p. The rounding of many pushes does not add up.
+  Vec3 in_motion_plane(const Vec3& p) const {
+    return push_.motion_plane ? push_.motion_plane->nearest(p, push_.plane_point) : p;
+  }
+
   // Adds a plane. False if the plane cannot push the proxy within the plane of motion.
   bool add_plane(const ContactPlane& plane) {
-    std::optional<ContactPlane> pushing = plane;
-    if (motion_plane_normal_) pushing = within_plane(plane, *motion_plane_normal_);
+    const std::optional<ContactPlane> pushing = within_plane(plane, push_.motion_plane);
     if (pushing) planes_[static_cast<std::size_t>(plane_count_++)] = *pushing;
     return pushing.has_value();
   }
 
   SegmentTracer& tracer_;
-  std::uint32_t body_;
+  const Push& push_;
   const ContactBody& placed_;  // the body at its target pose
   Vec3 start_body_;            // proxy relative to the body before the motion, body frame
   Vec3 proxy_;                 // solver frame
-  std::optional<Vec3> motion_plane_normal_;
   std::array<ContactPlane, kMaxContactPlanes> planes_{};
   int plane_count_ = 0;
 };
@@ -133,12 +126,11 @@ bool push_proxy(LiveWorld& world, SegmentTracer& tracer, const Push& push, Vec3&
   const bool was_moving = world.is_moving(push.body);
   if (!world.place(push.body, push.T_solver_body)) return false;
   if (!was_moving) tracer.forget_candidates();
-  PushedProxy pushed(tracer, push.body, world.body(push.body), start_body, proxy,
-                     push.motion_plane_normal);
+  PushedProxy pushed(tracer, push, world.body(push.body), start_body, proxy);
   std::optional<Vec3> target;
   if (push.carries) target = pushed.kept_place();
   if (!target) target = pushed.to_nearest_place();
-  if (!target && !push.motion_plane_normal) target = pushed.carried();
+  if (!target && !push.motion_plane) target = pushed.carried();
   if (!target) {
     world.place(push.body, before);
     return false;

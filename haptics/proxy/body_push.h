@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "haptics/proxy/live_world.h"
+#include "haptics/proxy/motion_plane.h"
 #include "haptics/proxy/segment_tracer.h"
 
 namespace palpate {
@@ -12,9 +13,10 @@ namespace palpate {
 // The motion of one body in one tick.
 struct Push {
   std::uint32_t body = 0;
-  RigidTransform T_solver_body;                  // target pose
-  std::optional<Vec3> motion_plane_normal = {};  // as for GodObject::move_to()
+  RigidTransform T_solver_body;  // target pose
   bool carries = false;  // friction holds the proxy on the body: the proxy moves along if possible
+  std::optional<MotionPlane> motion_plane = {};  // in which the proxy moves
+  Vec3 plane_point = Vec3::Zero();               // a point of the plane of motion, solver frame, m
 };
 
 // Moves a body from its present pose in the world to push.T_solver_body. If the body would hit the

@@ -23,14 +23,14 @@ constexpr double kSameDirection = 0.9;
 // on is approached in small steps.
 constexpr double kMostGrowth = 16.0;
 
+// Largest length of the lift off a surface on which a proxy is placed. Planes that meet farther
+// away differ in less than half of the digits of their normals, and rounding decides where they
+// meet.
+constexpr double kMostLiftPerStandOff = 0x1p26;  // about the inverse root of double's epsilon
+
 // A step enters the world's bounds and then moves straight or round a feature. An iteration takes
 // one step, and one more if it improves a rest.
 constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
-
-// Rounding of the height of a point over a plane through another point, relative to the distance
-// between the two points: 1 rounding for their difference, 3 for the product and 4 for the length
-// of the normal.
-constexpr double kInPlaneRoundoff = 8 * kUnitRoundoff;
 
 // Two contacts with the same face have the same plane if a cosine cannot distinguish their normals;
 // contacts with different faces, if their normals differ by rounding only.
@@ -68,10 +68,12 @@ void GodObject::update_bounds() {
   bounds_ = world_->bounds_solver().grown(world_->size_m() + 2 * settings_.radius_m);
 }
 
-bool GodObject::place(const Vec3& p) noexcept {
+bool GodObject::place(const Vec3& p, const std::optional<Vec3>& motion_plane_normal) noexcept {
   if (has_bad_settings_ || !std::isfinite(p.squaredNorm())) return false;
+  if (motion_plane_normal && !is_unit(*motion_plane_normal)) return false;
   tracer_.begin_tick();
-  proxy_ = p;
+  set_motion_plane(motion_plane_normal);
+  proxy_ = goal_ = p;
   settled_ = false;
   confirmed_ = false;
   slides_ = false;
@@ -84,12 +86,15 @@ bool GodObject::place(const Vec3& p) noexcept {
   std::array<FaceContact, kMaxContactPlanes> contacts;
   std::array<ContactPlane, kMaxContactPlanes> planes;
   const std::size_t count = tracer_.contacts_in_front(p, 2 * scale().stand_off_m, contacts);
+  std::size_t plane_count = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    planes[i] = {contacts[i].normal, scale().stop_m - contacts[i].clearance_m};
+    const ContactPlane plane{contacts[i].normal, scale().stop_m - contacts[i].clearance_m};
+    if (const auto lifting = within_plane(plane, motion_plane_)) planes[plane_count++] = *lifting;
   }
   const PlaneProjection lift =
-      project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
-  if (lift.solved) proxy_ += lift.displacement_m;
+      least_displacement(std::span(planes).first(plane_count), motion_plane_);
+  const double most_m = kMostLiftPerStandOff * scale().stand_off_m;
+  if (lift.solved && lift.displacement_m.norm() <= most_m) proxy_ += lift.displacement_m;
   return true;
 }
 
@@ -100,6 +105,12 @@ ProxyState GodObject::move_to(const Vec3& goal,
   last_holds_ = {};
   NoFriction none;
   return move(goal, motion_plane_normal, none);
+}
+
+void GodObject::set_motion_plane(const std::optional<Vec3>& normal) {
+  if (is_motion_plane(normal)) return;
+  motion_plane_.reset();
+  if (normal) motion_plane_.emplace(*normal);
 }
 
 // Stores the goal and the target of the interrupted step.
@@ -241,9 +252,11 @@ bool GodObject::touches_planes() const {
   return true;
 }
 
-// The part of the segment to the goal that ends at the first active plane.
+// The part of the segment to the goal that ends at the first active plane, within the plane of
+// motion.
 Vec3 GodObject::step_to_planes() const {
-  const Vec3 lag = goal_ - proxy_;
+  Vec3 lag = goal_ - proxy_;
+  if (motion_plane_) lag = motion_plane_->part_of(lag);
   double part = 1.0;
   for (int i = 0; i < projection_.active_count; ++i) {
     const ContactPlane& plane = planes_of_contact_[projection_.active[i]];
@@ -286,8 +299,8 @@ bool GodObject::is_known(const FaceContact& contact, const ContactPlane& plane, 
 bool GodObject::add_plane(const FaceContact& contact) {
   // The offset is at most 0, so that the present position stays feasible.
   ContactPlane plane{contact.normal, scale().stop_m - contact.clearance_m};
-  if (motion_plane_normal_) {
-    const auto in_plane = within_plane(plane, *motion_plane_normal_);
+  if (motion_plane_) {
+    const auto in_plane = within_plane(plane, *motion_plane_);
     if (!in_plane) return false;
     plane = *in_plane;
   }
@@ -389,20 +402,16 @@ void GodObject::return_to(const ProxyPlace& place) {
 // The unit component of a direction in the plane of motion, or the direction itself without such a
 // plane. Nullopt if the direction has no component there.
 std::optional<Vec3> GodObject::in_motion_plane(const Vec3& direction) const {
-  if (!motion_plane_normal_) return direction;
-  const auto plane = within_plane({direction, 0.0}, *motion_plane_normal_);
+  if (!motion_plane_) return direction;
+  const auto plane = within_plane({direction, 0.0}, *motion_plane_);
   return plane ? std::optional(plane->normal) : std::nullopt;
 }
 
-// Corrects a step to end in the plane of motion: where two planes cross at a small angle, the
-// rounding of their normals leads out of it. A proxy that is in the plane to within rounding keeps
-// its height, since the height of a distant goal has a larger rounding error.
+// A step within the plane of motion, and the height by which the plane through the goal has moved
+// away from the proxy. A proxy that is in the plane to within rounding keeps its height, since the
+// height of a distant goal has a larger rounding error.
 Vec3 GodObject::onto_motion_plane(const Vec3& step) const {
-  const Vec3& n = *motion_plane_normal_;
-  const Vec3 lag = goal_ - proxy_;
-  const double height_m = lag.dot(n);
-  const bool is_in_plane = std::abs(height_m) <= kInPlaneRoundoff * lag.lpNorm<1>();
-  return step + ((is_in_plane ? 0.0 : height_m) - step.dot(n)) * n;
+  return step + motion_plane_->height_over_m(proxy_, goal_) * motion_plane_->normal();
 }
 
 // Whether a point has left the face that stopped it. The correction to the plane of motion can move
@@ -421,7 +430,7 @@ bool GodObject::settled() const {
   for (int i = 0; i < projection_.active_count; ++i) {
     const FaceContact& contact = contacts_[projection_.active[i]];
     if (!tracer_.is_over(contact, proxy_)) return false;
-    if (motion_plane_normal_ && is_above(contact)) return false;
+    if (motion_plane_ && is_above(contact)) return false;
     if (tracer_.radius_m() > 0.0 &&
         !is_same_place(contact, tracer_.contact_at(contact.face, proxy_, contact.normal))) {
       return false;
@@ -463,8 +472,11 @@ ProxyState GodObject::report(int iterations, bool capped) const {
     state.normal += planes_of_contact_[projection_.active[i]].normal;
   }
   if (projection_.active_count == 1) return state;
+  if (projection_.active_count == 0) state.normal = lag;  // capped before it reached a plane
+  // The rounding of a sum that nearly cancels may lead out of the plane.
+  if (motion_plane_) state.normal = motion_plane_->part_of(state.normal);
   if (projection_.active_count == 0) {
-    state.normal = lag.normalized();  // the tick was capped before it reached a plane
+    state.normal.normalize();
   } else if (state.normal.norm() <= kCancelledNormal) {
     state.normal.setZero();
   } else {

@@ -13,6 +13,7 @@
 #include "haptics/proxy/accuracy.h"
 #include "haptics/proxy/friction_cone.h"
 #include "haptics/proxy/live_world.h"
+#include "haptics/proxy/motion_plane.h"
 #include "haptics/proxy/plane_projection.h"
 #include "haptics/proxy/proxy_state.h"
 #include "haptics/proxy/segment_tracer.h"
@@ -121,9 +122,10 @@ class GodObject {
   ~GodObject();
 
   // Places the proxy at p. If p is within a stand-off of a surface, where the side is undecided,
-  // the proxy is lifted to a stand-off in front of the faces there. Returns false and changes
-  // nothing if p is invalid.
-  bool place(const Vec3& p) noexcept;
+  // the proxy is lifted to a stand-off in front of the faces there, within the plane of motion
+  // through p if its unit normal is given. If the faces meet so far away that rounding decides
+  // where, the proxy stays at p. Returns false and changes nothing if p or the normal is invalid.
+  bool place(const Vec3& p, const std::optional<Vec3>& motion_plane_normal = std::nullopt) noexcept;
 
   // Moves a body without pushing the proxy; for use before the proxy has been placed. Returns false
   // and changes nothing if kMostMoving bodies have moved already, if T_solver_body is not a rigid
@@ -175,7 +177,7 @@ class GodObject {
   // Like move_to(), for a point, but "nearer" and "distance" are meant in this norm, in all that
   // the class comment says about rests, about capped ticks and about monotony; thresholds of
   // lengths are, too. What a segment may cross and the distance that it keeps from triangles stay
-  // Euclidean. Refuses a sphere.
+  // Euclidean. Refuses a sphere, and a norm whose axes do not lie in the plane of motion.
   ProxyState move_in_norm(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                           const AnisotropicNorm& norm) noexcept;
 
@@ -220,12 +222,16 @@ class GodObject {
   bool is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const;
   ProxyState refused() const;
   void update_bounds();
-  bool move_body(const BodyMotion& motion, const std::optional<Vec3>& motion_plane_normal) noexcept;
-  bool push_all(std::span<const BodyMotion> motions,
-                const std::optional<Vec3>& motion_plane_normal) noexcept;
-  bool finishes_push(std::span<const BodyMotion> motions,
-                     const std::optional<Vec3>& motion_plane_normal) noexcept;
+  bool move_body(const BodyMotion& motion) noexcept;
+  bool push_all(std::span<const BodyMotion> motions) noexcept;
+  bool finishes_push(std::span<const BodyMotion> motions) noexcept;
+  const Vec3& plane_point() const;
   std::size_t count_not_arrived(std::span<const BodyMotion> motions) const;
+  void set_motion_plane(const std::optional<Vec3>& normal);
+  // Whether a plane of motion with this normal, or no plane, is that of the last tick.
+  bool is_motion_plane(const std::optional<Vec3>& normal) const {
+    return normal ? motion_plane_ && motion_plane_->given_normal() == *normal : !motion_plane_;
+  }
   void begin_tick() {
     if (!bodies_have_moved_) tracer_.begin_tick();
     bodies_have_moved_ = false;
@@ -246,6 +252,8 @@ class GodObject {
                   Friction& friction);
   template <typename Friction>
   void find_holding_planes(Friction& friction);
+  template <typename Friction>
+  PlaneProjection project(const Friction& friction, std::span<const ContactPlane> planes) const;
   template <typename Friction>
   Progress take_step(Friction& friction);
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
@@ -365,12 +373,17 @@ class GodObject {
   bool is_at_vertex(std::span<const FaceContact> contacts) const;
   Vec3 lift_above(std::span<const FaceContact> faces, std::span<const FaceContact> nearest) const;
   std::optional<Vec3> in_motion_plane(const Vec3& direction) const;
+  // The point of the plane of motion nearest to p, or p without such a plane.
+  Vec3 point_in_motion_plane(const Vec3& p) const {
+    return motion_plane_ ? motion_plane_->nearest(p, goal_) : p;
+  }
   Vec3 onto_motion_plane(const Vec3& step) const;
   bool is_same_place(const FaceContact& a, const FaceContact& b) const;
   bool enter_bounds();
-  // The target of a step, or the point where the step leaves the world's bounds, beyond which
-  // nothing can be touched.
-  Vec3 within_bounds(const Vec3& target) const {
+  // The end of an attempted step in the plane of motion, or the point where this step leaves the
+  // world's bounds, beyond which nothing can be touched.
+  Vec3 end_of_step(const Vec3& step) const {
+    const Vec3 target = point_in_motion_plane(proxy_ + step);
     return bounds_.contains(target) ? target : leave_bounds(target);
   }
   Vec3 leave_bounds(const Vec3& target) const;
@@ -392,8 +405,8 @@ class GodObject {
   double step_tolerance_m_;  // a step shorter than this has converged
   Vec3 proxy_ = Vec3::Zero();
   Vec3 goal_ = Vec3::Zero();
-  std::vector<Vec3> path_;  // reserved for the largest number of corners
-  std::optional<Vec3> motion_plane_normal_;
+  std::vector<Vec3> path_;                   // reserved for the largest number of corners
+  std::optional<MotionPlane> motion_plane_;  // through goal_
 
   // The contact planes met, and the contacts that they belong to.
   std::array<ContactPlane, kMaxContactPlanes> planes_of_contact_{};

@@ -18,6 +18,10 @@ struct InNorm {
   PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target) const {
     return norm->project(planes, target);
   }
+  PlaneProjection project_within(const MotionPlane& motion_plane,
+                                 std::span<const ContactPlane> planes, const Vec3& target) const {
+    return norm->project(planes, target, &motion_plane);
+  }
   Vec3 along(const Vec3& v, const Vec3& line) const { return norm->along(v, line); }
   Vec3 within(const Vec3& v, const Vec3& normal) const { return norm->within(v, normal); }
 };
@@ -27,6 +31,7 @@ struct InNorm {
 ProxyState GodObject::move_in_norm(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                                    const AnisotropicNorm& norm) noexcept {
   if (settings_.radius_m > 0.0 || !is_goal(goal, motion_plane_normal)) return refused();
+  if (motion_plane_normal && !norm.is_within(*motion_plane_normal)) return refused();
   slides_ = false;
   last_holds_ = {};
   InNorm in_norm{&norm};

@@ -38,12 +38,16 @@ bool GodObject::place_body(std::uint32_t body, const RigidTransform& T_solver_bo
 std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
                                    const std::optional<Vec3>& motion_plane_normal) noexcept {
   if (motion_plane_normal && !is_unit(*motion_plane_normal)) return motions.size();
+  if (!is_motion_plane(motion_plane_normal)) {
+    repeats_step_ = false;  // the interrupted step was in another plane
+    set_motion_plane(motion_plane_normal);
+  }
   tracer_.begin_tick();
   bodies_have_moved_ = true;
   if (std::exchange(move_has_turn_, false)) return count_not_arrived(motions);
   tracer_.begin_errand(SegmentTracer::Errand::kPush);
-  const bool has_turn = !last_push_ || !finishes_push(motions, motion_plane_normal);
-  const bool are_done = has_turn && push_all(motions, motion_plane_normal);
+  const bool has_turn = !last_push_ || !finishes_push(motions);
+  const bool are_done = has_turn && push_all(motions);
   update_bounds();
   if (are_done) first_motion_ = 0;
   return count_not_arrived(motions);
@@ -51,8 +55,7 @@ std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
 
 // Pushes all bodies. False if the work does not suffice for all of them; the next tick then begins
 // with the next body that was due.
-bool GodObject::push_all(std::span<const BodyMotion> motions,
-                         const std::optional<Vec3>& motion_plane_normal) noexcept {
+bool GodObject::push_all(std::span<const BodyMotion> motions) noexcept {
   std::size_t held = motions.size();
   // A body that another one blocked may be free to move once the other one has moved.
   for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
@@ -62,7 +65,7 @@ bool GodObject::push_all(std::span<const BodyMotion> motions,
       const BodyMotion& motion = motions[(first + i) % motions.size()];
       if (2 * tracer_.work().used() > tracer_.work().budget()) return false;
       tracer_.begin_step();
-      held += move_body(motion, motion_plane_normal) ? 0 : 1;
+      held += move_body(motion) ? 0 : 1;
       first_motion_ = (first + i + 1) % motions.size();
       if (!tracer_.is_cut_short()) continue;
       last_push_ = motion;
@@ -75,15 +78,14 @@ bool GodObject::push_all(std::span<const BodyMotion> motions,
 
 // Continues the push in which the last tick was cut short, to the pose that was the target then.
 // False if that body no longer moves.
-bool GodObject::finishes_push(std::span<const BodyMotion> motions,
-                              const std::optional<Vec3>& motion_plane_normal) noexcept {
+bool GodObject::finishes_push(std::span<const BodyMotion> motions) noexcept {
   const BodyMotion push = *last_push_;
   last_push_.reset();
   const bool still_moves = std::any_of(motions.begin(), motions.end(),
                                        [&](const BodyMotion& m) { return m.body == push.body; });
   if (!still_moves) return false;
   tracer_.repeat_step();
-  move_body(push, motion_plane_normal);
+  move_body(push);
   if (tracer_.is_cut_short()) last_push_ = push;
   return true;
 }
@@ -98,14 +100,13 @@ std::size_t GodObject::count_not_arrived(std::span<const BodyMotion> motions) co
   return motions.size() - static_cast<std::size_t>(there);
 }
 
-bool GodObject::move_body(const BodyMotion& motion,
-                          const std::optional<Vec3>& motion_plane_normal) noexcept {
+bool GodObject::move_body(const BodyMotion& motion) noexcept {
   if (!is_motion(motion.body, motion.T_solver_body)) return false;
   const RigidTransform before = world_->body(motion.body).T_solver_body;
   const RigidTransform after = unit_pose(motion.T_solver_body);
   if (is_same_pose(before, after)) return true;
   const Vec3 proxy_before = proxy_;
-  const Push push{motion.body, after, motion_plane_normal, is_carried_by(motion.body)};
+  const Push push{motion.body, after, is_carried_by(motion.body), motion_plane_, plane_point()};
   if (!push_proxy(*world_, tracer_, push, proxy_)) return false;
   world_->extend_bounds(motion.body);
   tracer_.forget_moving();
@@ -118,6 +119,14 @@ bool GodObject::move_body(const BodyMotion& motion,
     contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
   }
   return true;
+}
+
+// A point of the plane of motion: the last goal, from which the proxy is a little off by rounding;
+// or the proxy, if a body has kept it out of the plane.
+const Vec3& GodObject::plane_point() const {
+  if (!motion_plane_) return proxy_;
+  const double height_m = motion_plane_->height_over_m(proxy_, goal_);
+  return std::abs(height_m) <= step_tolerance_m_ ? goal_ : proxy_;
 }
 
 // Whether a body carries the proxy because one of its faces holds the proxy by friction. A face on

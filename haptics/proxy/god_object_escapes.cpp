@@ -102,7 +102,7 @@ bool GodObject::is_stopped_by_rounding(const Vec3& step) {
     return -contact.normal.dot(step) > place_roundoff_m();
   });
   if (falls) return false;
-  const auto hit = tracer_.trace(proxy_, within_bounds(proxy_ + step));
+  const auto hit = tracer_.trace(proxy_, end_of_step(step));
   return hit && std::any_of(touched.begin(), touched.end(), [&](const FaceContact& contact) {
            return contact.face == hit->contact.face;
          });
@@ -131,17 +131,14 @@ Vec3 GodObject::lift_above(std::span<const FaceContact> faces,
   std::array<ContactPlane, kMaxContactPlanes> planes;
   std::size_t count = 0;
   const auto add = [&](const Vec3& normal, double offset_m) {
-    const ContactPlane plane{normal, offset_m};
-    const auto kept = motion_plane_normal_ ? within_plane(plane, *motion_plane_normal_)
-                                           : std::optional<ContactPlane>(plane);
+    const auto kept = within_plane(ContactPlane{normal, offset_m}, motion_plane_);
     if (kept) planes[count++] = *kept;
   };
   for (const FaceContact& face : faces) add(face.normal, scale().stop_m - face.clearance_m);
   for (const FaceContact& contact : nearest) {
     add(contact.normal, std::min(0.0, scale().stop_m - contact.clearance_m));
   }
-  const PlaneProjection lift =
-      project_onto_planes(std::span(planes).first(count), Vec3::Zero(), Feasibility::kMustMove);
+  const PlaneProjection lift = least_displacement(std::span(planes).first(count), motion_plane_);
   const double most_m = kAtVertexPerStandOff * scale().stand_off_m;
   const bool is_near = lift.solved && lift.displacement_m.squaredNorm() <= most_m * most_m;
   return is_near ? lift.displacement_m : Vec3(Vec3::Zero());

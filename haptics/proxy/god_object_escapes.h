@@ -89,7 +89,7 @@ template <typename Friction>
 void GodObject::hold_by_most_violated(const Friction& friction,
                                       std::span<const FaceContact> contacts) {
   plane_count_ = 0;
-  projection_ = friction.project({}, goal_ - proxy_);
+  projection_ = project(friction, {});
   for (int left = kMostExchanges; left > 0; --left) {
     const FaceContact* most = nullptr;
     double by_m = 0.0;
@@ -101,7 +101,7 @@ void GodObject::hold_by_most_violated(const Friction& friction,
       most = &contact;
     }
     if (!most || !add_plane(*most)) return;
-    projection_ = friction.project(planes(), goal_ - proxy_);
+    projection_ = project(friction, planes());
     if (!projection_.solved) return;
   }
 }
@@ -116,8 +116,7 @@ bool GodObject::is_held_by(const Friction& friction, std::span<const FaceContact
     if (!is_touched_face(holding[i])) return false;
     planes[i] = {plane_normal(i), -place_roundoff_m()};
   }
-  const PlaneProjection descent =
-      friction.project(std::span(planes).first(holding.size()), goal_ - proxy_);
+  const PlaneProjection descent = project(friction, std::span(planes).first(holding.size()));
   return descent.solved && !may_gain_by(friction, descent.displacement_m);
 }
 
@@ -257,7 +256,7 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
     friction.begin_step();
     friction.cone = friction.source->cones.at(face, proxy_);
     const double part = friction.part_left(along.norm(), (goal_ - proxy_ - along).norm());
-    stop_at_first_hit(within_bounds(proxy_ + part * along));
+    stop_at_first_hit(end_of_step(part * along));
   });
 }
 
@@ -296,11 +295,11 @@ bool GodObject::slides_between(Friction& friction) {
     if (!n) continue;
     const FaceContact alone[] = {touched[i]};
     if (leads_on(friction.within(lag, *n), alone)) return true;
-    if (touched[i].feature == TriangleFeature::kEdge && !motion_plane_normal_) {
+    if (touched[i].feature == TriangleFeature::kEdge && !motion_plane_) {
       const Vec3 edge = tracer_.edge_direction(touched[i]);
       if (leads_on(friction.along(lag, edge), alone)) return true;
     }
-    for (std::size_t j = 0; j < i && !motion_plane_normal_; ++j) {
+    for (std::size_t j = 0; j < i && !motion_plane_; ++j) {
       const FaceContact pair[] = {touched[i], touched[j]};
       const Vec3 line = crossing_line(*n, touched[j].normal);
       if (leads_on(friction.along(lag, line), pair)) return true;
@@ -319,7 +318,7 @@ bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
   projection_ = {step, {0, 1, 2}, plane_count_, true};
   return tries(friction, [&] {
     if constexpr (Friction::kHolds) hold_by(friction);
-    stop_at_first_hit(within_bounds(proxy_ + projection_.displacement_m));
+    stop_at_first_hit(end_of_step(projection_.displacement_m));
   });
 }
 
@@ -354,7 +353,7 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
 // a hub of hundreds of triangles may be late in the original order.
 template <typename Friction>
 bool GodObject::goes_along_lines(Friction& friction) {
-  if (motion_plane_normal_) return false;
+  if (motion_plane_) return false;
   std::array<Vec3, kMostPlanes> normals;
   std::size_t count = 0;
   const auto add = [&](const Vec3& normal) {
@@ -421,7 +420,7 @@ template <typename Friction>
 bool GodObject::goes_straight(const Vec3& step, Friction& friction,
                               std::optional<TraceHit>* obstacle) {
   if (tracer_.is_cut_short()) return false;
-  const Vec3 target = within_bounds(proxy_ + step);
+  const Vec3 target = end_of_step(step);
   const auto hit = tracer_.trace(proxy_, target);
   if (obstacle) *obstacle = hit;
   if (hit && !may_gain_by(friction, hit->fraction.value() * (target - proxy_))) return false;

@@ -122,7 +122,7 @@ bool GodObject::hold_by(Friction& friction) {
 template <typename Friction>
 bool GodObject::stays_at_rest(Friction& friction) {
   if (!confirmed_ || !has_friction() || plane_count_ < last_active_count_) return false;
-  projection_ = project_onto_planes(planes(), goal_ - proxy_);
+  projection_ = project(friction, planes());
   if (!projection_.solved || !hold_by(friction)) return false;
   if (!projection_.displacement_m.isZero(0.0)) return false;
   if (leaves_edges(Progress::kHeld, friction) || rounding_decides_) return false;

@@ -57,7 +57,7 @@ bool GodObject::roll_to_answer() {
   if (now.feature == TriangleFeature::kFace) return false;
   FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);
   const auto leaves_plane = [&](const Vec3& normal) {
-    return motion_plane_normal_ && std::abs(normal.dot(*motion_plane_normal_)) > kOutOfPlane;
+    return motion_plane_ && std::abs(normal.dot(motion_plane_->normal())) > kOutOfPlane;
   };
   if (leaves_plane(now.normal) || leaves_plane(answer.normal) || is_same_place(now, answer)) {
     return false;
@@ -77,7 +77,8 @@ bool GodObject::roll_to_answer() {
 // `to`.
 bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reach) {
   if (to.normal.dot(from.normal) <= 0.0) {
-    const Vec3 across = to.normal - to.normal.dot(from.normal) * from.normal;
+    Vec3 across = to.normal - to.normal.dot(from.normal) * from.normal;
+    if (motion_plane_) across = motion_plane_->part_of(across);
     if (!is_slow_ || across.norm() <= kCancelledNormal) return false;
     to.normal = across.normalized();
     to.feature_point = from.feature_point;
@@ -89,6 +90,10 @@ bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reac
     if (is_same_place(from, to)) return false;
     const std::size_t count = tangents_round(from, to, reach, corners);
     corners[count] = target;
+    if (motion_plane_) {
+      for (Vec3& corner : std::span(corners).first(count + 1))
+        corner = point_in_motion_plane(corner);
+    }
     const double part = part_free(std::span(corners).first(count + 1));
     if (part == 1.0) {
       for (const Vec3& corner : std::span(corners).first(count + 1)) commit(corner);
@@ -116,7 +121,7 @@ double GodObject::part_free(std::span<const Vec3> corners) {
 // Moves a sphere round the two features that it touched last. Otherwise it would move round one and
 // the other in turn, or slide along the line of their planes and leave the features at once.
 bool GodObject::roll_between_last_two() {
-  if (projection_.active_count == 0 || motion_plane_normal_) return false;
+  if (projection_.active_count == 0 || motion_plane_) return false;
   const FaceContact now = contacts_[projection_.active[0]];
   if (now.feature == TriangleFeature::kFace) return false;
   const std::optional<FaceContact> last = last_round_;

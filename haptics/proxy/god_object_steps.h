@@ -20,6 +20,10 @@ struct EuclideanNorm {
   static PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target) {
     return project_onto_planes(planes, target);
   }
+  static PlaneProjection project_within(const MotionPlane& motion_plane,
+                                        std::span<const ContactPlane> planes, const Vec3& target) {
+    return palpate::project_within(motion_plane, planes, target);
+  }
   // The point nearest to v on the line through 0 in a unit direction, and on the plane through 0
   // with a unit normal.
   static Vec3 along(const Vec3& v, const Vec3& line) { return v.dot(line) * line; }
@@ -91,13 +95,13 @@ template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                            Friction& friction) {
   begin_tick();
-  const bool keeps_planes = repeats_step_ && motion_plane_normal == motion_plane_normal_;
+  const bool keeps_planes = repeats_step_ && is_motion_plane(motion_plane_normal);
   // If the interrupted step is repeated from identical input, it makes the same queries, and the
   // trace log answers them.
   const bool repeats = keeps_planes && goal == step_goal_ && proxy_ == step_from_;
   if (!repeats) goal_waits_ = goes_on_ && goal == goal_;
   goal_ = goal;
-  motion_plane_normal_ = motion_plane_normal;
+  set_motion_plane(motion_plane_normal);
   path_.clear();
   path_.push_back(proxy_);
   if (last_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
@@ -200,7 +204,7 @@ template <typename Friction>
 template <typename Friction>
 [[gnu::cold]] void GodObject::find_holding_planes(Friction& friction) {
   if (projection_.active_count > 0) return;
-  projection_ = friction.project(planes(), goal_ - proxy_);
+  projection_ = project(friction, planes());
   if (!projection_.solved) projection_ = {};
   if constexpr (Friction::kHolds) {
     hold_by(friction);
@@ -208,10 +212,20 @@ template <typename Friction>
   }
 }
 
+// The displacement to the point nearest to the goal that these planes allow, within the plane of
+// motion if there is one.
+template <typename Friction>
+PlaneProjection GodObject::project(const Friction& friction,
+                                   std::span<const ContactPlane> planes) const {
+  const Vec3 lag = goal_ - proxy_;
+  return motion_plane_ ? friction.project_within(*motion_plane_, planes, lag)
+                       : friction.project(planes, lag);
+}
+
 template <typename Friction>
 GodObject::Progress GodObject::take_step(Friction& friction) {
   if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
-  projection_ = friction.project(planes(), goal_ - proxy_);
+  projection_ = project(friction, planes());
   if (!projection_.solved) return Progress::kStuck;
   const bool is_sphere = tracer_.radius_m() > 0.0;
   bool flies = false;
@@ -230,7 +244,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   // converged when its step is shorter than the tolerance.
   const bool is_free = projection_.active_count == 0;
   Vec3& step = projection_.displacement_m;
-  if (motion_plane_normal_ && !is_free) step = onto_motion_plane(step);
+  if (motion_plane_ && !is_free) step = onto_motion_plane(step);
   if (!is_free && has_converged(step)) return Progress::kHeld;
   // A slow proxy may also rest after a small step, but only if it touches the planes: farther away,
   // it could miss an edge directly in front of it.
@@ -249,7 +263,7 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
 // face may have friction, because friction must not act before contact.
 template <typename Friction>
 void GodObject::go_on_over_next_face(const Friction& friction) {
-  if (tracer_.radius_m() > 0.0 || motion_plane_normal_ || friction.holds()) return;
+  if (tracer_.radius_m() > 0.0 || motion_plane_ || friction.holds()) return;
   if (projection_.active_count != 1) return;
   const FaceRef& left = contacts_[projection_.active[0]].face;
   const auto next = tracer_.contact_over_next(left, proxy_, goal_);
@@ -312,7 +326,7 @@ GodObject::Attempt GodObject::fall_from_beyond(const Vec3& displacement, int mos
   const double farthest_m =
       leads_m + std::sqrt(leads_m * leads_m + (most_lag_m_ + lag_m) * (most_lag_m_ - lag_m));
   const double beyond_m = std::min(length_m, farthest_m);
-  const Vec3 target = proxy_ + beyond_m * *along;
+  const Vec3 target = point_in_motion_plane(proxy_ + beyond_m * *along);
   if (!bounds_.contains(target)) return {};
   const ProxyPlace before = place_now();
   stop_at_first_hit(target);

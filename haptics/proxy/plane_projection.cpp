@@ -31,32 +31,65 @@ constexpr double kMonotoneRoundoff = 64 * kUnitRoundoff;
 // than this: its normal in that plane would have lost half of its digits.
 constexpr double kMinInPlaneNormal = 1e-8;  // about the square root of double's epsilon
 
-using Candidate = std::optional<Vec3>;
+// Largest number of exchanges per plane. The distance to the target increases with every exchange,
+// so no basis occurs twice, and few exchanges are usually needed. Only sets of planes constructed
+// for the purpose need more than this.
+constexpr int kMostExchangesPerPlane = 4;
 
-inline Candidate on_one(const ContactPlane& i, const Vec3& target) {
+// Where two planes meet, as seen from the first one.
+struct CrossingLine {
+  double sine;  // of the angle between the planes
+  Vec3 across;  // unit, in the first plane, away from the second
+  Vec3 along;   // unit, in both planes
+
+  Vec3 part_along(const Vec3& target) const { return target.dot(along) * along; }
+};
+
+// The same for two lines in a plane of motion, which meet in a point.
+struct CrossingPoint {
+  double sine;
+  Vec2 across;
+
+  static Vec2 part_along(const Vec2&) { return Vec2::Zero(); }
+};
+
+inline std::optional<CrossingLine> crossing(const Vec3& i, const Vec3& j) {
+  const double sine = i.cross(j).norm();
+  if (sine <= kParallelSine) return std::nullopt;
+  const Vec3 along = crossing_line(i, j);
+  return CrossingLine{sine, along.cross(i), along};
+}
+
+inline std::optional<CrossingPoint> crossing(const Vec2& i, const Vec2& j) {
+  const double turn = i.x() * j.y() - i.y() * j.x();
+  const double sine = std::abs(turn);
+  if (sine <= kParallelSine) return std::nullopt;
+  return CrossingPoint{sine, turn > 0.0 ? Vec2(-i.y(), i.x()) : Vec2(i.y(), -i.x())};
+}
+
+template <typename Vec>
+inline std::optional<Vec> on_one(const HalfSpace<Vec>& i, const Vec& target) {
   const double multiplier = i.offset_m - i.normal.dot(target);
   if (multiplier < 0.0) return std::nullopt;
-  const Vec3 y = target + multiplier * i.normal;
+  const Vec y = target + multiplier * i.normal;
   const bool is_rounding = y.squaredNorm() <= kCancelled * kCancelled * target.squaredNorm();
-  return is_rounding ? Vec3(i.offset_m * i.normal) : y;
+  return is_rounding ? Vec(i.offset_m * i.normal) : y;
 }
 
-Candidate on_two(const ContactPlane& i, const ContactPlane& j, const Vec3& target) {
-  const Vec3 edge = i.normal.cross(j.normal);
-  const double sine = edge.norm();
-  if (sine <= kParallelSine) return std::nullopt;
-  const Vec3 along = crossing_line(i.normal, j.normal);
-  const Vec3 across = along.cross(i.normal);  // completes i.normal and along to a basis
+template <typename Vec>
+std::optional<Vec> on_two(const HalfSpace<Vec>& i, const HalfSpace<Vec>& j, const Vec& target) {
+  const auto place = crossing(i.normal, j.normal);
+  if (!place) return std::nullopt;
   const double cosine = i.normal.dot(j.normal);
-  const double height = (j.offset_m - cosine * i.offset_m) / sine;
-  const double multiplier_j = (height - target.dot(across)) / sine;
+  const double height = (j.offset_m - cosine * i.offset_m) / place->sine;
+  const double multiplier_j = (height - target.dot(place->across)) / place->sine;
   const double multiplier_i = i.offset_m - target.dot(i.normal) - multiplier_j * cosine;
   if (multiplier_i < 0.0 || multiplier_j < 0.0) return std::nullopt;
-  return Vec3(i.offset_m * i.normal + height * across + target.dot(along) * along);
+  return Vec(i.offset_m * i.normal + height * place->across + place->part_along(target));
 }
 
-Candidate on_three(const ContactPlane& i, const ContactPlane& j, const ContactPlane& k,
-                   const Vec3& target) {
+std::optional<Vec3> on_three(const ContactPlane& i, const ContactPlane& j, const ContactPlane& k,
+                             const Vec3& target) {
   const Vec3 jk = j.normal.cross(k.normal);
   const Vec3 ki = k.normal.cross(i.normal);
   const Vec3 ij = i.normal.cross(j.normal);
@@ -70,34 +103,42 @@ Candidate on_three(const ContactPlane& i, const ContactPlane& j, const ContactPl
 
 // The amount by which a displacement violates a plane beyond the rounding of its evaluation;
 // positive if it does.
-double violation_m(const ContactPlane& plane, const Vec3& y_m) {
-  const double roundoff_m = kViolationRoundoff * (y_m.lpNorm<1>() + std::abs(plane.offset_m));
+template <typename Vec>
+double violation_m(const HalfSpace<Vec>& plane, const Vec& y_m) {
+  const double roundoff_m =
+      kViolationRoundoff * (y_m.template lpNorm<1>() + std::abs(plane.offset_m));
   return plane.offset_m - plane.normal.dot(y_m) - roundoff_m;
 }
 
 // A basis: the active planes in ascending order and the displacement that lies on all of them.
-using Basis = PlaneProjection;
-
-bool has(const Basis& basis, int plane) {
+template <typename Vec>
+bool has(const Projection<Vec>& basis, int plane) {
   const auto end = basis.active.begin() + basis.active_count;
   return std::find(basis.active.begin(), end, plane) != end;
 }
 
 // Computes the point on all planes of the basis that is nearest to the target. True if every plane
 // pushes.
-bool solve(std::span<const ContactPlane> planes, const Vec3& target, Basis& basis) {
-  const auto plane = [&](std::size_t i) -> const ContactPlane& {
+template <typename Vec>
+bool solve(std::span<const HalfSpace<Vec>> planes, const Vec& target, Projection<Vec>& basis) {
+  const auto plane = [&](std::size_t i) -> const HalfSpace<Vec>& {
     return planes[static_cast<std::size_t>(basis.active[i])];
   };
-  const Candidate y = basis.active_count == 1   ? on_one(plane(0), target)
-                      : basis.active_count == 2 ? on_two(plane(0), plane(1), target)
-                                                : on_three(plane(0), plane(1), plane(2), target);
+  std::optional<Vec> y;
+  if (basis.active_count == 1) {
+    y = on_one(plane(0), target);
+  } else if (basis.active_count == 2) {
+    y = on_two(plane(0), plane(1), target);
+  } else if constexpr (Vec::SizeAtCompileTime == 3) {
+    y = on_three(plane(0), plane(1), plane(2), target);
+  }
   if (y) basis.displacement_m = *y;
   return y.has_value();
 }
 
 // The index of the most violated plane, or -1.
-int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
+template <typename Vec>
+int most_violated(std::span<const HalfSpace<Vec>> planes, const Projection<Vec>& basis) {
   int most = -1;
   double by_m = 0.0;
   for (int i = 0; i < static_cast<int>(planes.size()); ++i) {
@@ -112,9 +153,10 @@ int most_violated(std::span<const ContactPlane> planes, const Basis& basis) {
 
 // The basis for the planes of `basis` and the plane `added`, which `basis` violates. Planes of
 // `basis` that are not in the new basis are satisfied to within slack_m.
-std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& target,
-                              const Basis& basis, int added, double slack_m) {
-  const auto holds_for_all = [&](const Basis& next) {
+template <typename Vec>
+std::optional<Projection<Vec>> exchange(std::span<const HalfSpace<Vec>> planes, const Vec& target,
+                                        const Projection<Vec>& basis, int added, double slack_m) {
+  const auto holds_for_all = [&](const Projection<Vec>& next) {
     for (int i = 0; i < basis.active_count; ++i) {
       const int other = basis.active[static_cast<std::size_t>(i)];
       if (has(next, other)) continue;
@@ -124,28 +166,48 @@ std::optional<Basis> exchange(std::span<const ContactPlane> planes, const Vec3& 
     }
     return true;
   };
-  // Bases of the added plane and zero, one or two others, whose bits are set in `chosen`.
-  constexpr int kSubsetsBySize[] = {0b000, 0b001, 0b010, 0b100, 0b011, 0b101, 0b110};
-  for (const int chosen : kSubsetsBySize) {
+  // Bases of the added plane and zero or one other, and in three coordinates also two others, whose
+  // bits are set in `chosen`.
+  constexpr std::array kSubsetsBySize{0b000, 0b001, 0b010, 0b100, 0b011, 0b101, 0b110};
+  constexpr std::size_t kSubsets = Vec::SizeAtCompileTime == 3 ? kSubsetsBySize.size() : 3;
+  for (const int chosen : std::span(kSubsetsBySize).template first<kSubsets>()) {
     if (chosen >> basis.active_count != 0) continue;
-    Basis next;
-    next.active[0] = added;
-    next.active_count = 1;
-    for (int i = 0; i < basis.active_count; ++i) {
-      if ((chosen >> i & 1) == 0) continue;
-      next.active[static_cast<std::size_t>(next.active_count++)] =
-          basis.active[static_cast<std::size_t>(i)];
+    Projection<Vec> next;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if ((chosen >> i & 1) != 0) next.active[count++] = basis.active[i];
     }
-    std::sort(next.active.begin(), next.active.begin() + next.active_count);
+    std::size_t at = count;  // of the added plane, in ascending order
+    for (; at > 0 && next.active[at - 1] > added; --at) next.active[at] = next.active[at - 1];
+    next.active[at] = added;
+    next.active_count = static_cast<int>(count) + 1;
     if (solve(planes, target, next) && holds_for_all(next)) return next;
   }
   return std::nullopt;
 }
 
+// Rounding of the target's part along a plane.
+template <typename Vec>
+double rounding_m(const Vec& target) {
+  return kCancelled * target.norm();
+}
+
+// Whether the displacement keeps the planes of its own basis. Points on one or two planes do;
+// rounding may displace the point in which three planes meet that nearly have a common direction.
+template <typename Vec>
+[[gnu::noinline]] bool keeps_own_planes(std::span<const HalfSpace<Vec>> planes, const Vec& target,
+                                        const Projection<Vec>& basis) {
+  return std::all_of(basis.active.begin(), basis.active.begin() + basis.active_count, [&](int i) {
+    const auto& plane = planes[static_cast<std::size_t>(i)];
+    return violation_m(plane, basis.displacement_m) <= rounding_m(target);
+  });
+}
+
 // Rejects a solution that is farther from the target than the feasible y = 0. If the difference is
 // within rounding, the solution is y = 0; if it is larger, the planes were ill-conditioned and the
 // problem is not solved.
-inline void keep_near(Basis& basis, const Vec3& target, Feasibility start) {
+template <typename Vec>
+inline void keep_near(Projection<Vec>& basis, const Vec& target, Feasibility start) {
   const double gain = start == Feasibility::kMustMove
                           ? 0.0
                           : target.squaredNorm() - (basis.displacement_m - target).squaredNorm();
@@ -157,24 +219,14 @@ inline void keep_near(Basis& basis, const Vec3& target, Feasibility start) {
   basis.solved = true;
 }
 
-// Normals count as linearly dependent if their triple product is smaller than this; the shares in
-// which they bear a force are then undetermined.
-constexpr double kDependentNormals = 1e-8;  // half the digits of double
-
-}  // namespace
-
-// Largest number of exchanges per plane. The distance to the target increases with every exchange,
-// so no basis occurs twice, and few exchanges are usually needed. Only sets of planes constructed
-// for the purpose need more than this.
-constexpr int kMostExchangesPerPlane = 4;
-
-PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
-                                    Feasibility start) noexcept {
-  Basis basis;
+template <typename Vec>
+Projection<Vec> nearest_of_all(std::span<const HalfSpace<Vec>> planes, const Vec& target,
+                               Feasibility start) {
+  Projection<Vec> basis;
   basis.displacement_m = target;
   if (planes.size() == 1) {  // the most frequent case
     const bool is_violated = violation_m(planes[0], target) > 0.0;
-    const Candidate y = is_violated ? on_one(planes[0], target) : target;
+    const std::optional<Vec> y = is_violated ? on_one(planes[0], target) : target;
     if (!y) return {};
     basis.displacement_m = *y;
     basis.active_count = is_violated ? 1 : 0;
@@ -195,24 +247,55 @@ PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const 
     auto next = exchange(planes, target, basis, added, 0.0);
     if (!next) {
       // If planes nearly coincide, each solution may violate the others by its own rounding.
-      const double rounding_m = kCancelled * target.norm();
-      const ContactPlane& violated = planes[static_cast<std::size_t>(added)];
-      if (violation_m(violated, basis.displacement_m) <= rounding_m) break;
-      next = exchange(planes, target, basis, added, rounding_m);
+      const auto& violated = planes[static_cast<std::size_t>(added)];
+      if (violation_m(violated, basis.displacement_m) <= rounding_m(target)) break;
+      next = exchange(planes, target, basis, added, rounding_m(target));
       if (!next) return {};
     }
     basis = *next;
   }
+  if (basis.active_count == 3 && !keeps_own_planes(planes, target, basis)) return {};
   keep_near(basis, target, start);
   return basis;
 }
 
+// Normals count as linearly dependent if their triple product is smaller than this; the shares in
+// which they bear a force are then undetermined.
+constexpr double kDependentNormals = 1e-8;  // half the digits of double
+
+}  // namespace
+
+PlaneProjection project_onto_planes(std::span<const ContactPlane> planes, const Vec3& target,
+                                    Feasibility start) noexcept {
+  return nearest_of_all(planes, target, start);
+}
+
+Projection<Vec2> project_onto_planes(std::span<const HalfSpace<Vec2>> planes, const Vec2& target,
+                                     Feasibility start) noexcept {
+  return nearest_of_all(planes, target, start);
+}
+
+PlaneProjection project_within(const MotionPlane& motion_plane,
+                               std::span<const ContactPlane> planes, const Vec3& target,
+                               Feasibility start) noexcept {
+  std::array<HalfSpace<Vec2>, kMaxContactPlanes> lines;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    lines[i] = {motion_plane.to_plane(planes[i].normal), planes[i].offset_m};
+  }
+  const Projection<Vec2> nearest =
+      project_onto_planes(std::span<const HalfSpace<Vec2>>(lines).first(planes.size()),
+                          motion_plane.to_plane(target), start);
+  const bool is_free = nearest.solved && nearest.active_count == 0;
+  return {is_free ? target : motion_plane.to_solver(nearest.displacement_m), nearest.active,
+          nearest.active_count, nearest.solved};
+}
+
 std::optional<ContactPlane> within_plane(const ContactPlane& plane,
-                                         const Vec3& motion_plane_normal) noexcept {
-  const Vec3 normal = plane.normal - plane.normal.dot(motion_plane_normal) * motion_plane_normal;
+                                         const MotionPlane& motion_plane) noexcept {
+  const Vec2 normal = motion_plane.to_plane(plane.normal);
   const double in_plane = normal.norm();
   if (in_plane < kMinInPlaneNormal) return std::nullopt;
-  return ContactPlane{normal / in_plane, plane.offset_m / in_plane};
+  return ContactPlane{motion_plane.to_solver(normal / in_plane), plane.offset_m / in_plane};
 }
 
 std::array<double, 3> bearing_parts(const Vec3& lag_m, std::span<const Vec3> n) noexcept {

@@ -304,6 +304,7 @@ TEST(Misuse, InvalidGoalsAndPosesChangeNothing) {
         Vec3 goal = random.in_box(0.05);
         goal[static_cast<Eigen::Index>(random.index(3))] = bad;
         EXPECT_FALSE(misused.place(goal));
+        EXPECT_FALSE(misused.place(Vec3::Zero(), goal)) << "a plane without a normal";
         for (const ProxyState& state :
              {misused.move_to(goal), misused.move_to(goal, Vec3(Vec3::UnitZ())),
               misused.move_with_friction(goal, std::nullopt, kSticky)}) {

@@ -1,10 +1,13 @@
 #include "haptics/proxy/plane_projection.h"
 
 #include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -109,6 +112,224 @@ TEST(PlaneProjection, ViolatesNoneOfNearlyIdenticalPlanes) {
     ASSERT_TRUE(answer.solved) << trial;
     ASSERT_LE(worst_violation(planes, answer.displacement_m), kRoundoff * target.norm()) << trial;
   }
+}
+
+// The solver in two coordinates, against all pairs of lines in quadruple precision: two lines that
+// differ by the rounding of a double meet at a point of which long double leaves three digits.
+using Quad = boost::multiprecision::cpp_bin_float_quad;
+using HalfPlane = HalfSpace<Vec2>;
+
+// The rounding that a solution may have, relative to the lengths involved.
+constexpr double kRounded = 32 * std::numeric_limits<double>::epsilon();
+
+struct Quad2 {
+  Quad x, y;
+  explicit Quad2(const Vec2& v) : x(v.x()), y(v.y()) {}
+  Quad2(const Quad& x_of, const Quad& y_of) : x(x_of), y(y_of) {}
+  Quad dot(const Quad2& other) const { return x * other.x + y * other.y; }
+  Quad norm() const { return sqrt(dot(*this)); }
+  Quad distance(const Quad2& other) const { return Quad2(x - other.x, y - other.y).norm(); }
+};
+
+// The least distance from the target to a point that violates no line, of which each is moved by
+// shift_m against the target (a positive shift makes it stricter); infinity if there is none. The
+// nearest point is the target, or lies on one line, or on two.
+Quad least_distance(std::span<const HalfPlane> lines, const Vec2& target, const Quad& shift_m) {
+  const Quad slack = kRounded / 16;  // much more than the rounding of the meeting points here
+  const Quad2 t(target);
+  const Quad t_norm = t.norm();
+  std::vector<std::pair<Quad2, Quad>> wide;
+  for (const HalfPlane& line : lines) wide.push_back({Quad2(line.normal), line.offset_m + shift_m});
+  Quad least = std::numeric_limits<Quad>::infinity();
+  const auto try_point = [&](const Quad2& y) {
+    const Quad length = abs(y.x) + abs(y.y) + t_norm;
+    for (const auto& [normal, offset] : wide) {
+      if (normal.dot(y) < offset - slack * (length + abs(offset))) return;
+    }
+    least = std::min(least, y.distance(t));
+  };
+  try_point(t);
+  for (std::size_t i = 0; i < wide.size(); ++i) {
+    const auto& [n, a] = wide[i];
+    const Quad by = (a - n.dot(t)) / n.dot(n);
+    try_point({t.x + by * n.x, t.y + by * n.y});
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto& [m, b] = wide[j];
+      const Quad sine = n.x * m.y - n.y * m.x;
+      if (sine == 0) continue;
+      try_point({(a * m.y - b * n.y) / sine, (b * n.x - a * m.x) / sine});
+    }
+  }
+  return least;
+}
+
+// The length that determines the rounding of a problem.
+double size_of(std::span<const HalfPlane> lines, const Vec2& target) {
+  double size_m = target.norm();
+  for (const HalfPlane& line : lines) size_m = std::max(size_m, std::abs(line.offset_m));
+  return size_m;
+}
+
+// Lines around a displacement, in directions that are random, nearly equal or nearly opposite, with
+// offsets that a body at rest (<= 0) or a moving body (any sign) gives.
+std::vector<HalfPlane> some_lines(Random& random, bool is_at_start) {
+  std::vector<HalfPlane> lines(1 + random.index(6));
+  const auto direction = [](double angle_rad) {
+    return Vec2(std::cos(angle_rad), std::sin(angle_rad));
+  };
+  double angle_rad = random.uniform(0.0, 6.28);
+  const double size_m = std::pow(10.0, random.uniform(-12.0, 0.0));
+  for (HalfPlane& line : lines) {
+    switch (random.index(4)) {
+      case 0:
+        angle_rad = random.uniform(0.0, 6.28);
+        break;
+      case 1:
+        angle_rad += std::pow(10.0, random.uniform(-17.0, 0.0));
+        break;
+      case 2:
+        angle_rad += std::numbers::pi - std::pow(10.0, random.uniform(-17.0, 0.0));
+        break;
+      default:
+        break;
+    }
+    line.normal = direction(angle_rad);
+    line.offset_m = size_m * random.uniform(-1.0, is_at_start ? 0.0 : 1.0);
+    if (random.index(4) == 0) line.offset_m = is_at_start ? 0.0 : size_m;
+  }
+  return lines;
+}
+
+// The definition of "solved": the displacement keeps all lines within the rounding of the
+// displacement, the offsets and the target. A set of lines without a solution is not solved, even
+// if rounding gives one far away.
+TEST(PlaneProjection, InAPlaneIsTheNearestPointOfAllPairsOrNotSolved) {
+  Random random(43);
+  int solved = 0;
+  int unsolved = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const bool is_at_start = random.index(2) == 0;
+    const std::vector<HalfPlane> lines = some_lines(random, is_at_start);
+    Vec2 target = Vec2::Zero();
+    if (is_at_start)
+      target = std::pow(10.0, random.uniform(-12.0, 2.0)) * random.unit_vector().head<2>();
+    const auto start = is_at_start ? Feasibility::kAtStart : Feasibility::kMustMove;
+    const auto answer = project_onto_planes(std::span<const HalfPlane>(lines), target, start);
+    const double size_m = size_of(lines, target);
+    if (answer.solved) {
+      const Vec2& y = answer.displacement_m;
+      ASSERT_LE(answer.active_count, 2);
+      for (const HalfPlane& line : lines) {
+        const Quad violation = line.offset_m - Quad2(line.normal).dot(Quad2(y));
+        ASSERT_LE(violation, kRounded * (y.norm() + std::abs(line.offset_m) + target.norm()))
+            << trial;
+      }
+      // What rounding of the lines cannot decide: y is neither nearer than if each line were laxer,
+      // nor farther than if each were stricter.
+      const double shift_m = 2 * kRounded * (y.norm() + size_m);
+      const Quad distance = Quad2(y).distance(Quad2(target));
+      ASSERT_GE(distance + shift_m, least_distance(lines, target, -shift_m)) << trial;
+      ASSERT_LE(distance - shift_m, least_distance(lines, target, shift_m)) << trial;
+      ++solved;
+      continue;
+    }
+    // No solution exists, not even far away, that rounding would leave.
+    ASSERT_FALSE(is_at_start) << trial;
+    for (const double far : {1e1, 1e4, 1e7, 1e10}) {
+      ASSERT_GT(least_distance(lines, target, 2 * kRounded * far * size_m), far * size_m) << trial;
+    }
+    ++unsolved;
+  }
+  EXPECT_GT(solved, 10000);
+  EXPECT_GT(unsolved, 1000);
+}
+
+// Three planes that close on the proxy within its plane of motion leave no space there. Rounding,
+// or an angle at which a face is nearly parallel to the plane of motion, turns their normals a
+// little out of it. The planes then meet far away from the plane of motion, where the device cannot
+// be.
+TEST(PlaneProjection, IsNotSolvedIfTheMeetingPointIsOutsideOfThePlaneOfMotion) {
+  Random random(44);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const MotionPlane motion_plane(random.unit_vector());
+    const double size_m = std::pow(10.0, random.uniform(-9.0, 0.0));
+    const double first_rad = random.uniform(0.0, 2 * std::numbers::pi);
+    std::vector<ContactPlane> planes;
+    for (int i = 0; i < 3; ++i) {
+      const double angle_rad = first_rad + i * 2.0 + random.uniform(-0.3, 0.3);
+      const Vec3 within = motion_plane.to_solver({std::cos(angle_rad), std::sin(angle_rad)});
+      const double lean = std::pow(10.0, random.uniform(-17.0, -8.0));
+      planes.push_back(
+          {(within + lean * random.unit_vector()).normalized(), size_m * random.uniform(0.1, 1.0)});
+    }
+    const PlaneProjection answer =
+        project_within(motion_plane, planes, Vec3::Zero(), Feasibility::kMustMove);
+    ASSERT_FALSE(answer.solved) << trial;
+    ASSERT_TRUE(answer.displacement_m.isZero(0.0)) << trial;
+  }
+}
+
+// The displacement within a tilted plane of motion keeps its planes, and needs no correction.
+TEST(PlaneProjection, StaysWithinAPlaneOfMotion) {
+  Random random(45);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Vec3 normal = random.unit_vector();
+    const MotionPlane motion_plane(normal);
+    const double size_m = std::pow(10.0, random.uniform(-9.0, 0.0));
+    std::vector<ContactPlane> planes;
+    for (std::size_t i = 0; i < 1 + random.index(6); ++i) {
+      Vec3 face = random.unit_vector();
+      if (random.index(2)) face = (normal + std::pow(10.0, random.uniform(-7.0, 0.0)) * face);
+      const auto plane =
+          within_plane({face.normalized(), size_m * random.uniform(-1.0, 0.2)}, motion_plane);
+      if (plane) planes.push_back(*plane);
+    }
+    const PlaneProjection answer =
+        project_within(motion_plane, planes, Vec3::Zero(), Feasibility::kMustMove);
+    const Vec3& y = answer.displacement_m;
+    ASSERT_LE(std::abs(normal.dot(y)), kRounded * y.norm()) << trial;
+    for (const ContactPlane& plane : planes) {
+      ASSERT_LE(std::abs(plane.normal.dot(normal)), kRounded) << trial;
+      if (!answer.solved) continue;
+      ASSERT_LE(plane.offset_m - plane.normal.dot(y),
+                kRounded * (y.norm() + std::abs(plane.offset_m)))
+          << trial;
+    }
+  }
+}
+
+// The definition of "solved" in three coordinates, for planes whose normals nearly lie in a plane
+// or in a line.
+TEST(PlaneProjection, IsSolvedOnlyIfTheDisplacementKeepsAllPlanes) {
+  Random random(46);
+  int solved = 0;
+  for (int trial = 0; trial < 200000; ++trial) {
+    const bool is_at_start = random.index(2) == 0;
+    const Vec3 flat = random.unit_vector();
+    const double lean = std::pow(10.0, random.uniform(-17.0, 0.0));
+    const double size_m = std::pow(10.0, random.uniform(-12.0, 0.0));
+    std::vector<ContactPlane> planes(3 + random.index(3));
+    Vec3 normal = random.unit_vector();
+    for (ContactPlane& plane : planes) {
+      if (random.index(2)) normal = random.unit_vector();
+      const Vec3 within = normal - normal.dot(flat) * flat;
+      plane.normal = (within.normalized() + lean * random.unit_vector()).normalized();
+      plane.offset_m = size_m * random.uniform(-1.0, is_at_start ? 0.0 : 1.0);
+    }
+    Vec3 target = Vec3::Zero();
+    if (is_at_start) target = std::pow(10.0, random.uniform(-12.0, 2.0)) * random.unit_vector();
+    const PlaneProjection answer = project_onto_planes(
+        planes, target, is_at_start ? Feasibility::kAtStart : Feasibility::kMustMove);
+    if (!answer.solved) continue;
+    ++solved;
+    const Vec3& y = answer.displacement_m;
+    for (const ContactPlane& plane : planes) {
+      ASSERT_LE(plane.offset_m - plane.normal.dot(y),
+                kRounded * (y.norm() + std::abs(plane.offset_m) + target.norm()))
+          << trial;
+    }
+  }
+  EXPECT_GT(solved, 100000);
 }
 
 }  // namespace
