@@ -57,7 +57,7 @@ struct CoulombFriction : EuclideanNorm {
 
   // Whether the contact slides after the tick. A contact that has slid continues to slide even if
   // planes met on the path would hold it now; the next tick decides whether it sticks there.
-  bool slides_on() const { return slides && (slid || !is_below_cone); }
+  bool slides_on() const { return slides && !is_below_cone; }
 
   ProxyState complete(ProxyState state) const {
     // A proxy whose tick was capped between two faces keeps its earlier state.

@@ -273,7 +273,10 @@ class World {
 // A hand that presses at random depths and moves in random directions at random speeds.
 class Hand {
  public:
-  Hand(const Scene& scene, Random& random) : scene_(scene), random_(&random) { change(); }
+  Hand(const Scene& scene, Random& random) : scene_(scene), random_(&random) {
+    if (scene.kind == Kind::kStrips || scene.kind == Kind::kProfile) at_ = Vec3::Zero();
+    change();
+  }
 
   // The next goal in the local frame.
   Vec3 next() {
@@ -304,11 +307,10 @@ class Hand {
   }
 
   Vec3 first() const {
-    Vec3 p = at_;
+    const Vec3 p = at_;
     if (scene_.kind == Kind::kStrips || scene_.kind == Kind::kProfile) {
       return {p.x(), p.y(), 0.3 + (scene_.kind == Kind::kStrips ? 0.0 : scene_.height_m(p.x()))};
     }
-    if (scene_.is_planar) p.y() = 0.0;
     return scene_.kind == Kind::kRoom ? Vec3(0, 0, 0) : Vec3(3.0 * kHalf_m * p);
   }
 
@@ -322,7 +324,7 @@ class Hand {
 
   const Scene& scene_;
   Random* random_;
-  Vec3 at_ = Vec3::UnitX() * 0.01;
+  Vec3 at_ = Vec3::UnitX();
   Vec3 heading_ = Vec3::UnitX();
   double depth_m_ = 1e-3;
   double wanted_depth_m_ = 1e-3;
