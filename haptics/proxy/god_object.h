@@ -258,8 +258,17 @@ class GodObject {
   bool has_converged(const Vec3& step) const {
     return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;
   }
+  struct Bearing;
+  template <typename Friction>
+  void find_cone_at(const Vec3& place, const Bearing& bearing, Friction& friction);
+  template <typename Friction>
+  Bearing find_bearing(Friction& friction);
+  template <typename Friction>
+  void find_friction_here(Friction& friction);
   template <typename Friction>
   bool hold_by(Friction& friction);
+  template <typename Friction>
+  bool roll_to_cone(Friction& friction);
   template <typename Friction>
   bool stays_at_rest(Friction& friction);
   bool has_friction() const { return last_holds_[0] || last_holds_[1] || last_holds_[2]; }
@@ -282,7 +291,11 @@ class GodObject {
   Attempt fall_from_beyond(const Vec3& displacement, int most_steps, Friction& friction);
   bool roll_between_last_two();
   bool roll_between(const FaceContact& one, const FaceContact& other);
-  bool goes_round(const FaceContact& from, FaceContact& to, double reach);
+  // Whether a sphere takes a turn that is as small as a stand-off (is_same_place).
+  enum class SmallTurns : std::uint8_t { kTake, kLeave };
+  bool goes_round(const FaceContact& from, FaceContact& to, double reach,
+                  SmallTurns small = SmallTurns::kLeave);
+  bool turns_out_of_plane(const FaceContact& from, const FaceContact& to) const;
   void become_slow();
   void limit_detours();
   double part_free(std::span<const Vec3> corners);

@@ -56,12 +56,7 @@ bool GodObject::roll_to_answer() {
   const FaceContact now = contacts_[projection_.active[0]];
   if (now.feature == TriangleFeature::kFace) return false;
   FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);
-  const auto leaves_plane = [&](const Vec3& normal) {
-    return motion_plane_normal_ && std::abs(normal.dot(*motion_plane_normal_)) > kOutOfPlane;
-  };
-  if (leaves_plane(now.normal) || leaves_plane(answer.normal) || is_same_place(now, answer)) {
-    return false;
-  }
+  if (turns_out_of_plane(now, answer) || is_same_place(now, answer)) return false;
   if (!goes_round(now, answer, tracer_.radius_m() + scale().stop_m)) return false;
   plane_count_ = 0;
   answer.clearance_m = scale().stop_m;
@@ -70,12 +65,21 @@ bool GodObject::roll_to_answer() {
   return true;
 }
 
+// Whether a turn from one contact to another would leave the plane of motion.
+bool GodObject::turns_out_of_plane(const FaceContact& from, const FaceContact& to) const {
+  const auto leaves_plane = [&](const Vec3& normal) {
+    return motion_plane_normal_ && std::abs(normal.dot(*motion_plane_normal_)) > kOutOfPlane;
+  };
+  return leaves_plane(from.normal) || leaves_plane(to.normal);
+}
+
 // Moves the proxy round a feature from one contact to another, for a centre at the distance `reach`
 // from the feature, by a right angle at most. A slow proxy moves round a part of the angle if an
 // obstacle blocks the rest. The distance to the goal falls along the whole arc. The tangents have
 // corners a little farther out, so all of them are committed or none. Writes the final contact to
 // `to`.
-bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reach) {
+bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reach,
+                           SmallTurns small) {
   if (to.normal.dot(from.normal) <= 0.0) {
     const Vec3 across = to.normal - to.normal.dot(from.normal) * from.normal;
     if (!is_slow_ || across.norm() <= kCancelledNormal) return false;
@@ -86,7 +90,7 @@ bool GodObject::goes_round(const FaceContact& from, FaceContact& to, double reac
   for (int halved = 0; halved <= kMostHalvedTurns; ++halved) {
     const Vec3 target = to.feature_point + reach * to.normal;
     if ((target - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
-    if (is_same_place(from, to)) return false;
+    if (small == SmallTurns::kLeave && is_same_place(from, to)) return false;
     const std::size_t count = tangents_round(from, to, reach, corners);
     corners[count] = target;
     const double part = part_free(std::span(corners).first(count + 1));

@@ -195,16 +195,19 @@ template <typename Friction>
   }
 }
 
-// Determines the active planes of a capped tick. The plane of the face that the proxy met last may
-// be one of them.
+// Determines the planes that hold the proxy after a capped tick. The plane of the face that the
+// proxy met last may be one of them.
 template <typename Friction>
 [[gnu::cold]] void GodObject::find_holding_planes(Friction& friction) {
-  if (projection_.active_count > 0) return;
-  projection_ = friction.project(planes(), goal_ - proxy_);
-  if (!projection_.solved) projection_ = {};
   if constexpr (Friction::kHolds) {
-    hold_by(friction);
-    friction.wants_to_slide = false;
+    // The state is that of the faces that the proxy touches now, not that of the last step.
+    projection_ = friction.project(planes(), goal_ - proxy_);
+    if (!projection_.solved || is_off_planes()) projection_ = {};
+    find_friction_here(friction);
+  } else {
+    if (projection_.active_count > 0) return;
+    projection_ = friction.project(planes(), goal_ - proxy_);
+    if (!projection_.solved) projection_ = {};
   }
 }
 
@@ -220,7 +223,9 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
     if (flies) {
       friction.begin_step();
       projection_.displacement_m = step_to_planes();
-    } else if (!hold_by(friction) && is_sphere && roll_to_answer()) {
+    } else if (hold_by(friction)) {
+      if (is_sphere && friction.wants_to_slide && roll_to_cone(friction)) return Progress::kStopped;
+    } else if (is_sphere && roll_to_answer()) {
       return Progress::kStopped;
     }
   } else {

@@ -115,7 +115,7 @@ std::vector<BorneForce> FrictionJudge::borne(
         is_behind = is_behind || (contacts[j].normal - normal(i)).norm() < kSameDirection ||
                     lies_behind(faces[contacts[j].face].corners, contacts[chosen[i]], touch_m_);
       }
-      if (!is_behind) return;
+      if (!is_behind) way.slides_freely = false;
     }
     ways.push_back(way);
   };

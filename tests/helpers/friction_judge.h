@@ -34,6 +34,9 @@ struct BorneForce {
   double tangential_N = 0.0;  // length of the part along the surface
   double mu_s = 0.0;          // static and dynamic coefficient of the faces together
   double mu_k = 0.0;
+  // Whether the touched faces that do not bear bear nothing without friction either: the slide does
+  // not approach them, or they lie behind a face that bears. Only then does the dynamic cone apply.
+  bool slides_freely = true;
   std::vector<Vec3> normals;
 
   double ratio() const { return tangential_N / normal_N; }

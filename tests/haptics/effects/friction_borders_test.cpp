@@ -9,6 +9,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -341,7 +342,7 @@ struct Counts {
 
 void run_scene(Random& random, Kind kind, double radius_m, bool is_planar, int ticks,
                Counts& counts) {
-  const bool explain = test::from_environment("PALPATE_EXPLAIN", 0) > 0;
+  const auto explain = test::from_environment("PALPATE_EXPLAIN", 0);
   static long explained = 0;
   Scene scene = random_scene(random, kind);
   scene.radius_m = radius_m;
@@ -386,7 +387,12 @@ void run_scene(Random& random, Kind kind, double radius_m, bool is_planar, int t
       const double lag_rounding = 256 * kEpsilon * size_m / lag.norm();
       if (off > 1e-9 + lag_rounding) {
         ++counts.bad_spring;
-        why += " spring " + std::to_string(off);
+        char text[200];
+        const Vec3 nn = vec3(record.normal_scene);
+        std::snprintf(text, sizeof text, " spring %.2e iterations %u lag/depth to normal %.9f force ratio %.9f, depth %.2e step %.2e", off,
+                      record.iterations, (lag - lag.dot(nn) * nn).norm() / lag.dot(nn),
+                      (force_N - force_N.dot(nn) * nn).norm() / force_N.dot(nn), lag.dot(nn), (world.proxy() - last_proxy).norm());
+        why += text;
       }
       counts.worst_spring = std::max(counts.worst_spring, off - lag_rounding);
       // The ratio relative to the rounding of the lag.
@@ -400,24 +406,50 @@ void run_scene(Random& random, Kind kind, double radius_m, bool is_planar, int t
         for (const BorneForce& way : ways) {
           const double rounding = 64 * kEpsilon * size_m * K / way.normal_N * (1 + way.ratio());
           above = std::min(above, way.above_static() - rounding);
+          if (way.slides_freely)
           off_dynamic = std::min(off_dynamic, std::abs(way.off_dynamic()) - rounding);
         }
         if (above > kRatio) {
           ++counts.bad_ratio;
-          why += " ratio above " + std::to_string(above);
+          char text[300];
+          int used = std::snprintf(text, sizeof text, " ratio above %.3e, normal force %.2e N, iterations %u, step %.1e ",
+                                   above, ways.front().normal_N, record.iterations,
+                                   (world.proxy() - last_proxy).norm());
+          for (const BorneForce& way : ways) {
+            used += std::snprintf(text + used, sizeof text - used, "[%zu planes %.9f of %.9f %.9f]",
+                                  way.normals.size(), way.ratio(), way.mu_s, way.mu_k);
+          }
+          why += text;
         }
         counts.worst_ratio = std::max(counts.worst_ratio, above);
         if (record.friction == FrictionState::kSlides) {
           if (off_dynamic > kRatio) {
             ++counts.bad_dynamic;
-            why += " dynamic off " + std::to_string(off_dynamic);
+            char text[100];
+          std::snprintf(text, sizeof text, " dynamic off %.3e", off_dynamic);
+          why += text;
           }
           counts.worst_dynamic = std::max(counts.worst_dynamic, off_dynamic);
         }
       }
     }
-    if (explain && !why.empty() && explained < 40) {
+    const bool shown = ((explain & 1) != 0 && (why.find("ratio ab") != std::string::npos ||
+                                               why.find("dynamic") != std::string::npos ||
+                                               why.find("no way") != std::string::npos)) ||
+                       ((explain & 2) != 0 && why.find("energy") != std::string::npos) ||
+                       ((explain & 4) != 0 && why.find("spring") != std::string::npos);
+    if (shown && explained < 40) {
       ++explained;
+      std::printf("normal %s lag %s, depth to it %.6e\n", (std::stringstream() << vec3(record.normal_scene).transpose()).str().c_str(),
+                  (std::stringstream() << lag.transpose()).str().c_str(), lag.dot(vec3(record.normal_scene)));
+      for (std::size_t i = 0; i < world.faces().size(); ++i) {
+        const Corners& t = world.faces()[i].corners;
+        const double far = (test::nearest_point(t, world.proxy()) - world.proxy()).norm() - radius_m;
+        if (far > 1e-4) continue;
+        Vec3 nn = (t.b - t.a).cross(t.c - t.a).normalized();
+        std::printf("   face %zu at %.3f stand-offs, normal %s, lag over it %.4e mu %.3f %.3f\n", i, far / world.stand_off_m(), (std::stringstream() << nn.transpose()).str().c_str(), nn.dot(lag),
+        world.faces()[i].cone.static_friction,world.faces()[i].cone.dynamic_friction);
+      }
       std::printf("%s r %.4f planar %d tick %d%s%s:%s\n", kKindNames[static_cast<int>(kind)],
                   radius_m, is_planar, n, capped ? " capped" : "",
                   record.friction == FrictionState::kSlides   ? " slides"
