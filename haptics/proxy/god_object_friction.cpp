@@ -250,6 +250,7 @@ bool GodObject::roll_to_cone(Friction& friction) {
   (void)excess_m(part_to_cone(excess_m, 0.25 * friction.rounding_m));  // sets `to`
   if (!goes_round(now, to, reach_m, SmallTurns::kTake)) return false;
   plane_count_ = 0;
+  planes_are_current_ = false;
   add_plane(to);
   projection_.active[0] = 0;
   return true;

@@ -65,6 +65,9 @@ constexpr int kStepsToFall = 5;
 // Number of steps from one leap of a slow sphere to the next.
 constexpr int kStepsPerLeap = 8;
 
+// Number of times that a settled sphere computes its contact normals again under friction.
+constexpr int kMostLooks = 3;
+
 // Growth of an extrapolation after each success.
 constexpr double kFasterEachTime = 4.0;
 
@@ -114,6 +117,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   settled_ = false;
   rounding_decides_ = false;
   int iteration = 0;
+  [[maybe_unused]] int looks_again = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
     if (iteration > kPatience) become_slow();
@@ -130,6 +134,15 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     // also at rest if the planes that hold it were computed at its present position
     // (update_planes).
     settled_ = progress != Progress::kStuck && settled();
+    if constexpr (Friction::kHolds) {
+      // The cone of a sphere is that of the normals at its place.
+      const bool is_turned = tracer_.radius_m() > 0.0 && !planes_are_current_;
+      if (settled_ && is_turned && friction.holds() && looks_again < kMostLooks) {
+        ++looks_again;
+        update_planes();
+        continue;
+      }
+    }
     if (!settled_ && progress != Progress::kMoved && planes_are_current_) {
       if (leaves_edges(progress, friction)) {
         rounding_decides_ = false;

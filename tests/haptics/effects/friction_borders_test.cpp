@@ -412,13 +412,9 @@ void run_scene(Random& random, Kind kind, double radius_m, bool is_planar, int t
         if (above > kRatio) {
           ++counts.bad_ratio;
           char text[300];
-          int used = std::snprintf(text, sizeof text, " ratio above %.3e, normal force %.2e N, iterations %u, step %.1e ",
+          std::snprintf(text, sizeof text, " ratio above %.3e, normal force %.2e N, iterations %u, step %.1e ",
                                    above, ways.front().normal_N, record.iterations,
                                    (world.proxy() - last_proxy).norm());
-          for (const BorneForce& way : ways) {
-            used += std::snprintf(text + used, sizeof text - used, "[%zu planes %.9f of %.9f %.9f]",
-                                  way.normals.size(), way.ratio(), way.mu_s, way.mu_k);
-          }
           why += text;
         }
         counts.worst_ratio = std::max(counts.worst_ratio, above);
@@ -440,15 +436,11 @@ void run_scene(Random& random, Kind kind, double radius_m, bool is_planar, int t
                        ((explain & 4) != 0 && why.find("spring") != std::string::npos);
     if (shown && explained < 40) {
       ++explained;
-      std::printf("normal %s lag %s, depth to it %.6e\n", (std::stringstream() << vec3(record.normal_scene).transpose()).str().c_str(),
-                  (std::stringstream() << lag.transpose()).str().c_str(), lag.dot(vec3(record.normal_scene)));
-      for (std::size_t i = 0; i < world.faces().size(); ++i) {
-        const Corners& t = world.faces()[i].corners;
-        const double far = (test::nearest_point(t, world.proxy()) - world.proxy()).norm() - radius_m;
-        if (far > 1e-4) continue;
-        Vec3 nn = (t.b - t.a).cross(t.c - t.a).normalized();
-        std::printf("   face %zu at %.3f stand-offs, normal %s, lag over it %.4e mu %.3f %.3f\n", i, far / world.stand_off_m(), (std::stringstream() << nn.transpose()).str().c_str(), nn.dot(lag),
-        world.faces()[i].cone.static_friction,world.faces()[i].cone.dynamic_friction);
+      for (const BorneForce& way :
+           judge.borne(world.faces(), world.proxy(), force_N, world.motion_plane_normal())) {
+        std::printf("  [%zu planes, normal off by %.1e: %.9f of %.9f %.9f]", way.normals.size(),
+                    (way.normals.front() - vec3(record.normal_scene)).norm(), way.ratio(), way.mu_s,
+                    way.mu_k);
       }
       std::printf("%s r %.4f planar %d tick %d%s%s:%s\n", kKindNames[static_cast<int>(kind)],
                   radius_m, is_planar, n, capped ? " capped" : "",
