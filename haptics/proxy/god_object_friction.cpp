@@ -226,14 +226,23 @@ bool GodObject::roll_to_cone(Friction& friction) {
   if (projection_.active_count != 1) return false;
   const FaceContact& held = contacts_[projection_.active[0]];
   const FaceContact now = tracer_.contact_at(held.face, proxy_, held.normal);
-  const FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);
-  if (now.feature == TriangleFeature::kFace || turns_out_of_plane(now, answer)) return false;
+  if (now.feature == TriangleFeature::kFace) return false;
+  const double reach_m = tracer_.radius_m() + scale().stop_m;
+  // Without friction, the sphere would rest straight out from the feature through the goal.
+  FaceContact answer = now;
+  Vec3 out = goal_ - now.feature_point;
+  if (now.feature == TriangleFeature::kEdge) {
+    const Vec3 edge = tracer_.edge_direction(now);
+    const Vec3 along = out.dot(edge) * edge;
+    out -= along;
+    answer.feature_point = tracer_.contact_at(now.face, proxy_ + along, now.normal).feature_point;
+  }
+  answer.normal = out.normalized();
   const double cosine = now.normal.dot(answer.normal);
   const Vec3 across = answer.normal - cosine * now.normal;
   const double sine = across.norm();
-  if (cosine <= 0.0 || sine <= kCancelledNormal) return false;
+  if (cosine <= 0.0 || sine <= kCancelledNormal || turns_out_of_plane(now, answer)) return false;
   const double angle_rad = std::atan2(sine, cosine);
-  const double reach_m = tracer_.radius_m() + scale().stop_m;
   FaceContact to = now;
   to.clearance_m = scale().stop_m;
   const auto excess_m = [&](double part) {
