@@ -69,6 +69,7 @@ struct CoulombFriction : EuclideanNorm {
   bool is_below_cone = false;         // at the end of the last step, the lag is below the cone
   bool wants_to_slide = false;        // the last step exceeded the cone
   bool slid = false;                  // a step of this tick slid
+  double mu_of_slide = 0.0;           // the dynamic coefficient of the last step that slid
 
   // Whether the faces of the last step have friction, and whether a given face has.
   bool holds() const { return cone.holds(); }
@@ -79,8 +80,10 @@ struct CoulombFriction : EuclideanNorm {
   // moved: the step changed the position. A proxy that exceeded the cone but could not move keeps
   // its state.
   void end_step(bool moved) {
-    slides = slides || (wants_to_slide && moved);
-    slid = slid || (wants_to_slide && moved);
+    if (wants_to_slide && moved) {
+      slides = slid = true;
+      mu_of_slide = cone.dynamic_friction;
+    }
     wants_to_slide = false;
   }
 
@@ -92,9 +95,18 @@ struct CoulombFriction : EuclideanNorm {
     wants_to_slide = false;
   }
 
-  // Whether the contact slides after the tick: its lag is on the dynamic cone of the faces that
-  // hold the proxy now. A lag below that cone sticks, even if the proxy has slid to its place.
-  bool slides_on() const { return slides && !is_below_cone; }
+  // Whether the contact slides at the end of the tick: its lag is on the dynamic cone of the faces
+  // that hold the proxy then. A lag below that cone sticks, even if the proxy has slid to its place.
+  bool slides_here() const { return slides && !is_below_cone; }
+
+  // Whether the next tick begins as a sliding one. A sphere that slides off one of two faces comes
+  // down on the other, which may leave its lag below the cone although nothing but the normal has
+  // changed; the next tick decides whether it sticks there.
+  bool slides_on() const {
+    const double difference = std::abs(mu_of_slide - cone.dynamic_friction);
+    const bool is_one_material = difference <= kConeRoundoff * cone.dynamic_friction;
+    return slides_here() || (slid && is_one_material);
+  }
 
   ProxyState complete(ProxyState state) const {
     // A proxy whose tick was capped between two faces keeps its earlier state.
@@ -104,7 +116,7 @@ struct CoulombFriction : EuclideanNorm {
     if (!state.in_contact || state.active_planes == 0 || !cone.holds()) return state;
     state.is_held = true;
     state.slid = slid;
-    state.friction = slides_on() ? FrictionState::kSlides : FrictionState::kSticks;
+    state.friction = slides_here() ? FrictionState::kSlides : FrictionState::kSticks;
     state.cone = cone;
     return state;
   }
