@@ -20,6 +20,7 @@
 namespace palpate {
 
 class AnisotropicNorm;
+struct RollArc;
 
 struct GodObjectSettings {
   double radius_m = 0.0;  // 0: a point
@@ -291,11 +292,9 @@ class GodObject {
   Attempt fall_from_beyond(const Vec3& displacement, int most_steps, Friction& friction);
   bool roll_between_last_two();
   bool roll_between(const FaceContact& one, const FaceContact& other);
-  // Whether a sphere takes a turn that is as small as a stand-off (is_same_place).
-  enum class SmallTurns : std::uint8_t { kTake, kLeave };
-  bool goes_round(const FaceContact& from, FaceContact& to, double reach,
-                  SmallTurns small = SmallTurns::kLeave);
-  bool turns_out_of_plane(const FaceContact& from, const FaceContact& to) const;
+  bool goes_round(const FaceContact& from, FaceContact& to, double reach);
+  std::optional<RollArc> arc_round(const FaceContact& now) const;
+  bool rolls_along(const RollArc& arc, double part);
   void become_slow();
   void limit_detours();
   double part_free(std::span<const Vec3> corners);

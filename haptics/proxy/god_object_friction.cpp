@@ -237,42 +237,29 @@ template <typename Friction>
 bool GodObject::roll_to_cone(Friction& friction) {
   if (projection_.active_count != 1) return false;
   const FaceContact& held = contacts_[projection_.active[0]];
-  const FaceContact now = tracer_.contact_at(held.face, proxy_, held.normal);
-  if (now.feature == TriangleFeature::kFace) return false;
-  const double reach_m = tracer_.radius_m() + scale().stop_m;
-  // Without friction, the sphere would rest straight out from the feature through the goal.
-  FaceContact answer = now;
-  Vec3 out = goal_ - now.feature_point;
-  if (now.feature == TriangleFeature::kEdge) {
-    const Vec3 edge = tracer_.edge_direction(now);
-    const Vec3 along = out.dot(edge) * edge;
-    out -= along;
-    answer.feature_point = tracer_.contact_at(now.face, proxy_ + along, now.normal).feature_point;
-  }
-  answer.normal = out.normalized();
-  const double cosine = now.normal.dot(answer.normal);
-  const Vec3 across = answer.normal - cosine * now.normal;
-  const double sine = across.norm();
-  if (cosine <= 0.0 || sine <= kCancelledNormal || turns_out_of_plane(now, answer)) return false;
-  const double angle_rad = std::atan2(sine, cosine);
-  FaceContact to = now;
-  to.clearance_m = scale().stop_m;
+  FaceContact contact = tracer_.contact_at(held.face, proxy_, held.normal);
+  if (contact.feature == TriangleFeature::kFace) return false;
+  const std::optional<RollArc> arc = arc_round(contact);
+  if (!arc) return false;
   const auto excess_m = [&](double part) {
-    to.normal = (std::cos(part * angle_rad) * now.normal +
-                 std::sin(part * angle_rad) / sine * across).normalized();
-    to.feature_point = now.feature_point + part * (answer.feature_point - now.feature_point);
-    const Vec3 place = to.feature_point + reach_m * to.normal;
-    friction.cone = friction.source->cones.at(to, place);
+    const Vec3 place = arc->place(part);
+    contact.feature_point = arc->foot(place);
+    contact.normal = (place - contact.feature_point).normalized();
+    friction.cone = friction.source->cones.at(contact, place);
     const Vec3 lag = place - goal_;
-    const double depth_m = lag.dot(to.normal);
-    return friction.excess_m((lag - depth_m * to.normal).norm(), depth_m);
+    const Vec3 normal = in_motion_plane(contact.normal).value_or(contact.normal);
+    const double depth_m = lag.dot(normal);
+    const double lag_m = (lag - depth_m * normal).norm();
+    // Beyond the place that is nearest to the goal, the lag counts as negative.
+    return friction.excess_m(std::copysign(lag_m, -arc->heading(part).dot(lag)), depth_m);
   };
-  if (excess_m(0.0) <= 0.0) return false;
-  (void)excess_m(part_to_cone(excess_m, 0.25 * friction.rounding_m));  // sets `to`
-  if (!goes_round(now, to, reach_m, SmallTurns::kTake)) return false;
+  if (excess_m(0.0) <= 0.0 || excess_m(1.0) > friction.rounding_m) return false;
+  const double part = part_to_cone(excess_m, 0.25 * friction.rounding_m);
+  (void)excess_m(part);  // the contact and the cone at the end of the roll
+  if (!rolls_along(*arc, part)) return false;
+  contact.clearance_m = scale().stop_m;
   plane_count_ = 0;
-  planes_are_current_ = false;
-  add_plane(to);
+  add_plane(contact);
   projection_.active[0] = 0;
   return true;
 }

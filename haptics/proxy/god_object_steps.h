@@ -48,6 +48,37 @@ struct GodObject::ProxyPlace {
 // vertex. Its largest turn, a right angle, needs this number.
 constexpr std::size_t kMostRollCorners = 7;
 
+// A sphere moves round a feature along tangents. Each turns by at most this angle, so that the
+// corners are 0.8 % of the radius off the arc.
+constexpr double kRollTurn_rad = 0.25;
+
+// A path of a sphere's centre round an edge or vertex, with the part of the path as parameter. It
+// is a circle, a helix, or an ellipse in the plane of motion. Solver frame, m.
+struct RollArc {
+  Vec3 centre = Vec3::Zero();
+  Vec3 u = Vec3::Zero();      // from the centre to the start
+  Vec3 v = Vec3::Zero();      // from the centre to the place a right angle on
+  Vec3 drift = Vec3::Zero();  // along the edge, over the whole path
+  double angle_rad = 0.0;     // of the whole path
+  Vec3 feature_point = Vec3::Zero();  // on the edge or vertex
+  Vec3 edge = Vec3::Zero();           // direction of the edge; zero for a vertex
+
+  // stretch: distance from the centre relative to the arc, for corners of tangents.
+  Vec3 place(double part, double stretch = 1.0) const {
+    const double turn_rad = part * angle_rad;
+    return centre + part * drift + stretch * (std::cos(turn_rad) * u + std::sin(turn_rad) * v);
+  }
+  // The direction of motion, not normalised.
+  Vec3 heading(double part) const {
+    const double turn_rad = part * angle_rad;
+    return drift + angle_rad * (std::cos(turn_rad) * v - std::sin(turn_rad) * u);
+  }
+  // The point of the feature that is nearest to a place.
+  Vec3 foot(const Vec3& place) const {
+    return feature_point + (place - feature_point).dot(edge) * edge;
+  }
+};
+
 // Unit normals cancel if their sum is not longer than this length, which rounding alone can give.
 constexpr double kCancelledNormal = 16 * std::numeric_limits<double>::epsilon();
 
