@@ -8,10 +8,6 @@
 namespace palpate::test {
 namespace {
 
-// Two contact normals count as one if they differ by less than rounding of the nearest point of a
-// sphere's contact turns them.
-constexpr double kSameDirection = 1e-9;
-
 Vec3 nearest_on_edge(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
   const double part = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
@@ -84,6 +80,8 @@ std::vector<BorneForce> FrictionJudge::borne(
   }
   std::vector<BorneForce> ways;
   const double rounding_N = 1e-9 * force_N.norm();
+  // Within touch_m of a face and of its edge, the direction to a sphere is uncertain by this angle.
+  const double turn_rad = radius_m_ > 0.0 ? std::sqrt(2.0 * touch_m_ / radius_m_) : 0.0;
   const auto consider = [&](std::span<const std::size_t> chosen) {
     const std::size_t count = chosen.size();
     const auto normal = [&](std::size_t i) -> const Vec3& { return contacts[chosen[i]].normal; };
@@ -109,11 +107,11 @@ std::vector<BorneForce> FrictionJudge::borne(
     }
     for (std::size_t j = 0; j < contacts.size(); ++j) {
       if (std::find(chosen.begin(), chosen.end(), j) != chosen.end()) continue;
-      if (-tangential.dot(contacts[j].normal) >= -rounding_N) continue;
+      const double approach_N = tangential.dot(contacts[j].normal);
+      if (approach_N <= rounding_N + turn_rad * way.tangential_N) continue;
       bool is_behind = false;
       for (std::size_t i = 0; i < count; ++i) {
-        is_behind = is_behind || (contacts[j].normal - normal(i)).norm() < kSameDirection ||
-                    lies_behind(faces[contacts[j].face].corners, contacts[chosen[i]], touch_m_);
+        is_behind = is_behind || lies_behind(faces[contacts[j].face].corners, contacts[chosen[i]], touch_m_);
       }
       if (!is_behind) way.slides_freely = false;
     }
