@@ -37,7 +37,8 @@ double part_to_cone(const Excess& excess_m, double tolerance_m) {
   int kept = 0;  // how often the upper (positive) or the lower (negative) end stayed
   for (int i = 0; i < kMostPlacesOnASlide && high_m < -tolerance_m; ++i) {
     const bool bisects = i % 3 == 2;
-    const double part = bisects ? 0.5 * (low + high) : low + low_m / (low_m - high_m) * (high - low);
+    const double part =
+        bisects ? 0.5 * (low + high) : low + low_m / (low_m - high_m) * (high - low);
     if (!(part > low && part < high)) break;
     const double at_m = excess_m(part);
     if (std::abs(at_m) <= tolerance_m) return part;
@@ -96,7 +97,8 @@ struct CoulombFriction : EuclideanNorm {
   }
 
   // Whether the contact slides at the end of the tick: its lag is on the dynamic cone of the faces
-  // that hold the proxy then. A lag below that cone sticks, even if the proxy has slid to its place.
+  // that hold the proxy then. A lag below that cone sticks, even if the proxy has slid to its
+  // place.
   bool slides_here() const { return slides && !is_below_cone; }
 
   // Whether the next tick begins as a sliding one. A sphere that slides off one of two faces comes

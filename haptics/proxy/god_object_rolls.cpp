@@ -82,8 +82,7 @@ std::optional<RollArc> GodObject::arc_round(const FaceContact& now) const {
   const double lean = is_edge ? std::abs(n.dot(arc.edge)) : 1.0;  // of the edge against the plane
   if (lean <= kLeastLean || (!is_edge && std::abs(height_m) >= reach_m)) return std::nullopt;
   arc.centre += is_edge ? Vec3(height_m / n.dot(arc.edge) * arc.edge) : Vec3(height_m * n);
-  const double least_m =
-      is_edge ? reach_m : std::sqrt((reach_m - height_m) * (reach_m + height_m));
+  const double least_m = is_edge ? reach_m : std::sqrt((reach_m - height_m) * (reach_m + height_m));
   const Vec3 from_centre = proxy_ - arc.centre;
   // The axes of the ellipse: across the edge, and along its projection.
   const Vec3 side = is_edge && lean < 1.0 - kOutOfPlane ? Vec3(n.cross(arc.edge)) : from_centre;

@@ -56,10 +56,10 @@ constexpr double kRollTurn_rad = 0.25;
 // is a circle, a helix, or an ellipse in the plane of motion. Solver frame, m.
 struct RollArc {
   Vec3 centre = Vec3::Zero();
-  Vec3 u = Vec3::Zero();      // from the centre to the start
-  Vec3 v = Vec3::Zero();      // from the centre to the place a right angle on
-  Vec3 drift = Vec3::Zero();  // along the edge, over the whole path
-  double angle_rad = 0.0;     // of the whole path
+  Vec3 u = Vec3::Zero();              // from the centre to the start
+  Vec3 v = Vec3::Zero();              // from the centre to the place a right angle on
+  Vec3 drift = Vec3::Zero();          // along the edge, over the whole path
+  double angle_rad = 0.0;             // of the whole path
   Vec3 feature_point = Vec3::Zero();  // on the edge or vertex
   Vec3 edge = Vec3::Zero();           // direction of the edge; zero for a vertex
 

@@ -58,9 +58,9 @@ std::vector<std::size_t> FrictionJudge::touched(std::span<const FrictionFace> fa
   return found;
 }
 
-std::vector<BorneForce> FrictionJudge::borne(
-    std::span<const FrictionFace> faces, const Vec3& proxy, const Vec3& force_N,
-    const std::optional<Vec3>& motion_plane_normal) const {
+std::vector<BorneForce> FrictionJudge::borne(std::span<const FrictionFace> faces, const Vec3& proxy,
+                                             const Vec3& force_N,
+                                             const std::optional<Vec3>& motion_plane_normal) const {
   std::vector<Contact> contacts;
   for (const std::size_t i : touched(faces, proxy)) {
     const Corners& t = faces[i].corners;
@@ -111,7 +111,8 @@ std::vector<BorneForce> FrictionJudge::borne(
       if (approach_N <= rounding_N + turn_rad * way.tangential_N) continue;
       bool is_behind = false;
       for (std::size_t i = 0; i < count; ++i) {
-        is_behind = is_behind || lies_behind(faces[contacts[j].face].corners, contacts[chosen[i]], touch_m_);
+        is_behind = is_behind ||
+                    lies_behind(faces[contacts[j].face].corners, contacts[chosen[i]], touch_m_);
       }
       if (!is_behind) way.slides_freely = false;
     }
