@@ -25,34 +25,29 @@ constexpr double kConeRoundoff = 128 * std::numeric_limits<double>::epsilon();
 constexpr int kMostPlacesOnASlide = 60;
 
 // The part of a slide, in [0, 1], at which the lag has fallen to the cone. excess_m: the lag minus
-// the limit of the cone at a part of the slide; positive at 0. The search (regula falsi, halving
-// the weight of an end that stays: the Illinois algorithm) ends within tolerance_m of the cone, or
-// below the cone if a jump of the coefficients hides it.
+// the limit of the cone at a part of the slide; positive at 0, not positive at 1. The search is a
+// regula falsi that halves the weight of an end that stays (the Illinois algorithm), with every
+// third step a bisection. It ends within tolerance_m of the cone, or below the cone if a jump of
+// the coefficients hides it.
 template <typename Excess>
 double part_to_cone(const Excess& excess_m, double tolerance_m) {
   double low = 0.0;
-  double low_m = excess_m(0.0);
   double high = 1.0;
-  double high_m = excess_m(1.0);
-  int kept = 0;  // how often the upper (positive) or the lower (negative) end stayed
-  for (int i = 0; i < kMostPlacesOnASlide && high_m < -tolerance_m; ++i) {
-    const bool bisects = i % 3 == 2;
+  double low_m = excess_m(low);
+  double high_m = excess_m(high);
+  if (high_m >= -tolerance_m) return high;
+  int in_a_row = 0;  // how often the same end has moved: the lower (positive), the upper (negative)
+  for (int i = 0; i < kMostPlacesOnASlide; ++i) {
     const double part =
-        bisects ? 0.5 * (low + high) : low + low_m / (low_m - high_m) * (high - low);
+        i % 3 == 2 ? 0.5 * (low + high) : low + low_m / (low_m - high_m) * (high - low);
     if (!(part > low && part < high)) break;
     const double at_m = excess_m(part);
     if (std::abs(at_m) <= tolerance_m) return part;
-    if (at_m > 0.0) {
-      low = part;
-      low_m = at_m;
-      kept = std::max(kept, 0) + 1;
-      if (kept > 1) high_m *= 0.5;
-    } else {
-      high = part;
-      high_m = at_m;
-      kept = std::min(kept, 0) - 1;
-      if (kept < -1) low_m *= 0.5;
-    }
+    in_a_row = at_m > 0.0 ? std::max(in_a_row, 0) + 1 : std::min(in_a_row, 0) - 1;
+    if (in_a_row > 1) high_m *= 0.5;
+    if (in_a_row < -1) low_m *= 0.5;
+    (at_m > 0.0 ? low : high) = part;
+    (at_m > 0.0 ? low_m : high_m) = at_m;
   }
   return high;
 }
@@ -142,7 +137,7 @@ struct CoulombFriction : EuclideanNorm {
   // The fraction of a step that friction permits, in [0, 1], if the coefficients are the same along
   // the step.
   double part_left(double lag_m, double depth_m) const {
-    return wants_to_slide ? std::max(0.0, excess_m(lag_m, depth_m) / lag_m) : 0.0;
+    return wants_to_slide ? std::max(0.0, 1.0 - cone.dynamic_friction * depth_m / lag_m) : 0.0;
   }
 };
 
