@@ -473,7 +473,9 @@ class Motion {
         bodies_move_ ? 2.0 * world_.stand_off_m() * (1.0 + kMostFriction) : 0.0;
     const double off_m = (force_N / K - lag).norm() - kConeRounding_m - off_place_m;
     f.spring = std::max(f.spring, off_m / lag.norm());
-    const double rounding_m = 64 * kEpsilon * kSize_m;
+    // A step that is shorter than the tolerance is not taken.
+    const double rounding_m =
+        64 * kEpsilon * kSize_m + Accuracy::balanced().tolerance * world_.stand_off_m();
     const auto ways =
         judge_.borne(world_.faces(), world_.proxy(), force_N, world_.motion_plane_normal());
     f.unborne += ways.empty();
