@@ -14,7 +14,9 @@ namespace palpate {
 // penetration depth and t the tangential lag. A contact that sticks keeps its place while
 // |t| <= mu_s d. Beyond this limit, it slides with |t| = mu_k d in every tick. When |t| falls below
 // mu_k d, it sticks again. The contact does not creep at rest, and no speed affects it. If a device
-// with mass is pulled slowly, the gap between mu_s and mu_k causes stick-slip.
+// with mass is pulled slowly, the gap between mu_s and mu_k causes stick-slip. The coefficients are
+// those of the material, and of the place in its map, that the proxy touches at the end of the
+// tick.
 //
 // The god-object holds the proxy (GodObject::move_with_friction); this effect sets the
 // coefficients. A map multiplies both of them.

@@ -21,6 +21,7 @@
 namespace palpate {
 
 class AnisotropicNorm;
+struct RollArc;
 
 struct GodObjectSettings {
   double radius_m = 0.0;  // 0: a point
@@ -166,8 +167,21 @@ class GodObject {
   // speed, and regardless of whether the hand or the touched body moves. If the hand reverses, or
   // if the penetration depth grows faster than the tangential lag, the contact sticks.
   //
+  // The state and the coefficients of a tick are those of the faces that hold the proxy at the end
+  // of the tick, at the place where they hold it. A slide that passes a border of materials goes on
+  // to the cone of the material where it ends; if the lag is below that cone there, the contact
+  // sticks. After a tick that is not capped, the lag is therefore within the cone, and a spring's
+  // force needs no correction.
+  //
   // Any part of a free step is free, too, and ends no farther from the goal than it began. The
-  // certificates therefore hold as they do without friction.
+  // certificates therefore hold as they do without friction. With bodies at rest, let g be the
+  // goal, E = K |proxy - g|^2 / 2, and F = K (proxy - g) the spring's force. If g then moves by dg,
+  //
+  //   E' <= K |proxy - g - dg|^2 / 2 = E - F . dg + K |dg|^2 / 2.
+  //
+  // The bound needs the spring's force as it is. After a capped tick, the lag may be above the cone
+  // of the faces that hold the proxy; a force that is shortened to that cone can then break the
+  // bound, until a tick has completed the slide.
   //
   // Several faces together hold a tangential lag of mu_1 d_1 + mu_2 d_2 + ..., where d_i is the
   // part of the depth that face i bears (bearing_parts). A sphere moves round edges along tangents.
@@ -275,8 +289,17 @@ class GodObject {
   bool has_converged(const Vec3& step) const {
     return step.squaredNorm() <= step_tolerance_m_ * step_tolerance_m_;
   }
+  struct Bearing;
+  template <typename Friction>
+  void find_cone_at(const Vec3& place, const Bearing& bearing, Friction& friction);
+  template <typename Friction>
+  Bearing find_bearing(Friction& friction);
+  template <typename Friction>
+  void find_friction_here(Friction& friction);
   template <typename Friction>
   bool hold_by(Friction& friction);
+  template <typename Friction>
+  bool roll_to_cone(Friction& friction);
   template <typename Friction>
   bool stays_at_rest(Friction& friction);
   bool has_friction() const { return last_holds_[0] || last_holds_[1] || last_holds_[2]; }
@@ -300,6 +323,8 @@ class GodObject {
   bool roll_between_last_two();
   bool roll_between(const FaceContact& one, const FaceContact& other);
   bool goes_round(const FaceContact& from, FaceContact& to, double reach);
+  std::optional<RollArc> arc_round(const FaceContact& now) const;
+  bool rolls_along(const RollArc& arc, double part);
   void become_slow();
   void limit_detours();
   double part_free(std::span<const Vec3> corners);

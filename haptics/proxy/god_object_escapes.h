@@ -255,7 +255,10 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
   return tries(friction, [&] {
     friction.begin_step();
     friction.cone = friction.source->cones.at(face, proxy_);
-    const double part = friction.part_left(along.norm(), (goal_ - proxy_ - along).norm());
+    const double lag_m = along.norm();
+    const double depth_m = (goal_ - proxy_ - along).norm();
+    friction.compare(lag_m, depth_m);
+    const double part = friction.part_left(lag_m, depth_m);
     stop_at_first_hit(end_of_step(part * along));
   });
 }

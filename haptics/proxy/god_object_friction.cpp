@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "haptics/proxy/god_object_escapes.h"
@@ -19,6 +20,38 @@ namespace {
 // are 205 of a vector; with the rounding of lengths and products, at most 256.
 constexpr double kConeRoundoff = 128 * std::numeric_limits<double>::epsilon();
 
+// Largest number of places at which the search for the end of a slide evaluates the friction.
+// Coefficients that vary smoothly need about six; bisection alone halves the slide to its last bit.
+constexpr int kMostPlacesOnASlide = 60;
+
+// The part of a slide, in [0, 1], at which the lag has fallen to the cone. excess_m: the lag minus
+// the limit of the cone at a part of the slide; positive at 0, not positive at 1. The search is a
+// regula falsi that halves the weight of an end that stays (the Illinois algorithm), with every
+// third step a bisection. It ends within tolerance_m of the cone, or below the cone if a jump of
+// the coefficients hides it.
+template <typename Excess>
+double part_to_cone(const Excess& excess_m, double tolerance_m) {
+  double low = 0.0;
+  double high = 1.0;
+  double low_m = excess_m(low);
+  double high_m = excess_m(high);
+  if (high_m >= -tolerance_m) return high;
+  int in_a_row = 0;  // how often the same end has moved: the lower (positive), the upper (negative)
+  for (int i = 0; i < kMostPlacesOnASlide; ++i) {
+    const double part =
+        i % 3 == 2 ? 0.5 * (low + high) : low + low_m / (low_m - high_m) * (high - low);
+    if (!(part > low && part < high)) break;
+    const double at_m = excess_m(part);
+    if (std::abs(at_m) <= tolerance_m) return part;
+    in_a_row = at_m > 0.0 ? std::max(in_a_row, 0) + 1 : std::min(in_a_row, 0) - 1;
+    if (in_a_row > 1) high_m *= 0.5;
+    if (in_a_row < -1) low_m *= 0.5;
+    (at_m > 0.0 ? low : high) = part;
+    (at_m > 0.0 ? low_m : high_m) = at_m;
+  }
+  return high;
+}
+
 // The friction policy of GodObject::move_with_friction(): the state of friction in one tick.
 struct CoulombFriction : EuclideanNorm {
   static constexpr bool kHolds = true;
@@ -26,12 +59,13 @@ struct CoulombFriction : EuclideanNorm {
   const FrictionSource* source;
   double coordinates_m;    // size of the coordinates that this tick computes with
   bool slides;             // the contact slides, from an earlier tick or a step of this tick
-  FrictionCone cone = {};  // weighted sum over the planes of the last step
+  FrictionCone cone = {};  // weighted sum over the planes of the last step, at the end of the step
   std::array<bool, 3> holds_by = {};  // which of these planes have friction
   double rounding_m = 0.0;            // rounding of lag and depth in the last step
-  bool is_below_cone = false;         // the lag of the last step was below the dynamic cone
+  bool is_below_cone = false;         // at the end of the last step, the lag is below the cone
   bool wants_to_slide = false;        // the last step exceeded the cone
   bool slid = false;                  // a step of this tick slid
+  double mu_of_slide = 0.0;           // the dynamic coefficient of the last step that slid
 
   // Whether the faces of the last step have friction, and whether a given face has.
   bool holds() const { return cone.holds(); }
@@ -42,8 +76,10 @@ struct CoulombFriction : EuclideanNorm {
   // moved: the step changed the position. A proxy that exceeded the cone but could not move keeps
   // its state.
   void end_step(bool moved) {
-    slides = slides || (wants_to_slide && moved);
-    slid = slid || (wants_to_slide && moved);
+    if (wants_to_slide && moved) {
+      slides = slid = true;
+      mu_of_slide = cone.dynamic_friction;
+    }
     wants_to_slide = false;
   }
 
@@ -55,9 +91,19 @@ struct CoulombFriction : EuclideanNorm {
     wants_to_slide = false;
   }
 
-  // Whether the contact slides after the tick. A contact that has slid continues to slide even if
-  // planes met on the path would hold it now; the next tick decides whether it sticks there.
-  bool slides_on() const { return slides && (slid || !is_below_cone); }
+  // Whether the contact slides at the end of the tick: its lag is on the dynamic cone of the faces
+  // that hold the proxy then. A lag below that cone sticks, even if the proxy has slid to its
+  // place.
+  bool slides_here() const { return slides && !is_below_cone; }
+
+  // Whether the next tick begins as a sliding one. A sphere that slides off one of two faces comes
+  // down on the other, which may leave its lag below the cone although nothing but the normal has
+  // changed; the next tick decides whether it sticks there.
+  bool slides_on() const {
+    const double difference = std::abs(mu_of_slide - cone.dynamic_friction);
+    const bool is_one_material = difference <= kConeRoundoff * cone.dynamic_friction;
+    return slides_here() || (slid && is_one_material);
+  }
 
   ProxyState complete(ProxyState state) const {
     // A proxy whose tick was capped between two faces keeps its earlier state.
@@ -67,53 +113,151 @@ struct CoulombFriction : EuclideanNorm {
     if (!state.in_contact || state.active_planes == 0 || !cone.holds()) return state;
     state.is_held = true;
     state.slid = slid;
-    state.friction = slides_on() ? FrictionState::kSlides : FrictionState::kSticks;
+    state.friction = slides_here() ? FrictionState::kSlides : FrictionState::kSticks;
     state.cone = cone;
     return state;
   }
 
-  // The fraction of a step that friction permits, in [0, 1]. lag_m: length of the step. depth_m:
-  // distance from its end to the goal.
-  double part_left(double lag_m, double depth_m) {
-    const double dynamic_m = cone.dynamic_friction * depth_m;
+  // By how much a lag exceeds the dynamic cone at a depth.
+  double excess_m(double lag_m, double depth_m) const {
+    return lag_m - cone.dynamic_friction * depth_m;
+  }
+
+  // Decides whether the proxy slides from a place with this lag and depth, and whether the lag is
+  // below the cone there.
+  void compare(double lag_m, double depth_m) {
     const double mu = slides ? cone.dynamic_friction : cone.static_friction;
     wants_to_slide = lag_m > mu * depth_m + (1.0 + mu) * rounding_m;
-    is_below_cone = lag_m < dynamic_m - (1.0 + cone.dynamic_friction) * rounding_m;
-    return wants_to_slide ? std::max(0.0, 1.0 - dynamic_m / lag_m) : 0.0;
+    set_below_cone(excess_m(lag_m, depth_m));
+  }
+  void set_below_cone(double excess_m) {
+    is_below_cone = excess_m < -(1.0 + cone.dynamic_friction) * rounding_m;
+  }
+
+  // The fraction of a step that friction permits, in [0, 1], if the coefficients are the same along
+  // the step.
+  double part_left(double lag_m, double depth_m) const {
+    return wants_to_slide ? std::max(0.0, 1.0 - cone.dynamic_friction * depth_m / lag_m) : 0.0;
   }
 };
 
 }  // namespace
 
-// Shortens the step to the part that friction permits. False if the active planes have no friction.
+// How the active planes bear the lag that the proxy would have without friction.
+struct GodObject::Bearing {
+  std::array<double, 3> shares{};  // of the planes in the depth
+  double lag_m = 0.0;              // tangential lag at the proxy's position
+  double depth_m = 0.0;
+};
+
+// Computes the cone of the active planes for a proxy at this place.
+template <typename Friction>
+void GodObject::find_cone_at(const Vec3& place, const Bearing& bearing, Friction& friction) {
+  friction.cone = {};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(projection_.active_count); ++i) {
+    const FaceContact& contact = contacts_[projection_.active[i]];
+    const FrictionCone cone = friction.source->cones.at(contact, place);
+    friction.holds_by[i] = friction.holds_by[i] || cone.holds();
+    friction.cone.static_friction += bearing.shares[i] * cone.static_friction;
+    friction.cone.dynamic_friction += bearing.shares[i] * cone.dynamic_friction;
+  }
+}
+
+// Compares the lag with the cone of the active planes at the proxy's position.
+template <typename Friction>
+GodObject::Bearing GodObject::find_bearing(Friction& friction) {
+  friction.begin_step();
+  const Vec3 lag = proxy_ + projection_.displacement_m - goal_;
+  Bearing bearing;
+  bearing.lag_m = projection_.displacement_m.norm();
+  bearing.depth_m = lag.norm();
+  const auto count = static_cast<std::size_t>(projection_.active_count);
+  std::array<Vec3, 3> normals;
+  double farthest_body_m = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    normals[i] = plane_normal(i);
+    const ContactBody& body = world_->body(contacts_[projection_.active[i]].face.body);
+    farthest_body_m = std::max(farthest_body_m, body.T_solver_body.translation_m.lpNorm<1>());
+  }
+  friction.rounding_m = kConeRoundoff * (friction.coordinates_m + farthest_body_m);
+  bearing.shares = bearing_parts(lag, std::span(normals).first(count));
+  for (double& share : bearing.shares) {
+    share = bearing.depth_m > 0.0 ? share / bearing.depth_m : 0.0;
+  }
+  find_cone_at(proxy_, bearing, friction);
+  friction.compare(bearing.lag_m, bearing.depth_m);
+  return bearing;
+}
+
+// Computes the state of friction at the proxy's position.
+template <typename Friction>
+void GodObject::find_friction_here(Friction& friction) {
+  friction.begin_step();
+  if (projection_.active_count > 0) find_bearing(friction);
+  friction.wants_to_slide = false;
+}
+
+// Shortens the step to the part that friction permits. False if the active planes have no friction,
+// neither at the proxy's position nor at the end of the step.
 template <typename Friction>
 bool GodObject::hold_by(Friction& friction) {
   friction.begin_step();
   if (projection_.active_count == 0) return false;
+  const Bearing bearing = find_bearing(friction);
+  const bool holds_here = friction.holds();
   Vec3& step = projection_.displacement_m;
-  const Vec3 lag = proxy_ + step - goal_;
-  const auto count = static_cast<std::size_t>(projection_.active_count);
-  std::array<Vec3, 3> normals;
-  for (std::size_t i = 0; i < count; ++i) normals[i] = plane_normal(i);
-  const auto parts = bearing_parts(lag, std::span(normals).first(count));
-  const double depth_m = lag.norm();
-  double farthest_body_m = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const FaceContact& contact = contacts_[projection_.active[static_cast<int>(i)]];
-    const FrictionCone cone = friction.source->cones.at(contact, proxy_);
-    friction.holds_by[i] = cone.holds();
-    const double part = depth_m > 0.0 ? parts[i] / depth_m : 0.0;
-    friction.cone.static_friction += part * cone.static_friction;
-    friction.cone.dynamic_friction += part * cone.dynamic_friction;
-    farthest_body_m = std::max(
-        farthest_body_m, world_->body(contact.face.body).T_solver_body.translation_m.lpNorm<1>());
+  if (!friction.wants_to_slide) {
+    if (holds_here) step.setZero();
+    return holds_here;
   }
-  friction.rounding_m = kConeRoundoff * (friction.coordinates_m + farthest_body_m);
-  if (!friction.cone.holds()) {
-    friction.wants_to_slide = step.norm() > friction.rounding_m;
-    return false;
+  // The law holds at the end of the slide, where the coefficients may differ.
+  const auto excess_m = [&](double part) {
+    find_cone_at(proxy_ + part * step, bearing, friction);
+    return friction.excess_m((1.0 - part) * bearing.lag_m, bearing.depth_m);
+  };
+  double part = friction.part_left(bearing.lag_m, bearing.depth_m);
+  const double mu = friction.cone.dynamic_friction;
+  double left_m = excess_m(part);
+  if (friction.cone.dynamic_friction != mu) {
+    part = part_to_cone(excess_m, 0.25 * friction.rounding_m);
+    left_m = excess_m(part);
   }
-  step *= friction.part_left(step.norm(), depth_m);
+  friction.set_below_cone(left_m);
+  if (!holds_here && !friction.holds()) return false;
+  step *= part;
+  return true;
+}
+
+// Moves a sphere that only an edge or vertex holds round the feature, until its lag has fallen to
+// the cone there. A slide along the tangent plane would need many steps: see roll_to_answer().
+template <typename Friction>
+bool GodObject::roll_to_cone(Friction& friction) {
+  if (projection_.active_count != 1) return false;
+  const FaceContact& held = contacts_[projection_.active[0]];
+  FaceContact contact = tracer_.contact_at(held.face, proxy_, held.normal);
+  if (contact.feature == TriangleFeature::kFace) return false;
+  const std::optional<RollArc> arc = arc_round(contact);
+  if (!arc) return false;
+  const auto excess_m = [&](double part) {
+    const Vec3 place = arc->place(part);
+    contact.feature_point = arc->foot(place);
+    contact.normal = (place - contact.feature_point).normalized();
+    friction.cone = friction.source->cones.at(contact, place);
+    const Vec3 lag = place - goal_;
+    const Vec3 normal = in_motion_plane(contact.normal).value_or(contact.normal);
+    const double depth_m = lag.dot(normal);
+    const double lag_m = (lag - depth_m * normal).norm();
+    // Beyond the place that is nearest to the goal, the lag counts as negative.
+    return friction.excess_m(std::copysign(lag_m, -arc->heading(part).dot(lag)), depth_m);
+  };
+  if (excess_m(0.0) <= 0.0 || excess_m(1.0) > friction.rounding_m) return false;
+  const double part = part_to_cone(excess_m, 0.25 * friction.rounding_m);
+  (void)excess_m(part);  // the contact and the cone at the end of the roll
+  if (!rolls_along(*arc, part)) return false;
+  contact.clearance_m = scale().stop_m;
+  plane_count_ = 0;
+  add_plane(contact);
+  projection_.active[0] = 0;
   return true;
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 
 #include "haptics/proxy/god_object_steps.h"
 
@@ -14,10 +16,6 @@ namespace {
 // and feature are rounded.
 constexpr double kTurnRoundoff = 8 * std::numeric_limits<double>::epsilon();
 
-// A sphere moves round a feature along tangents. Each turns by at most this angle, so that the
-// corners are 0.8 % of the radius off the arc.
-constexpr double kRollTurn_rad = 0.25;
-
 // A slow proxy halves a blocked turn at most this many times, and only while at least this part of
 // the turn is free.
 constexpr int kMostHalvedTurns = 4;
@@ -25,6 +23,11 @@ constexpr double kLeastTurn = 1.0 / 32;
 
 // A contact normal lies in the plane of motion if its component out of the plane is at most this.
 constexpr double kOutOfPlane = 64 * std::numeric_limits<double>::epsilon();
+
+// The least sine of the angle between an edge and the plane of motion at which a sphere moves round
+// the edge: half the digits of double. An edge with a smaller angle has nearly one normal in that
+// plane.
+constexpr double kLeastLean = 1e-8;
 
 // Writes the corners of the tangents from one contact of a sphere to another contact with the same
 // face, for a centre at the distance `reach` from the feature. Returns their number.
@@ -44,6 +47,76 @@ std::size_t tangents_round(const FaceContact& from, const FaceContact& to, doubl
 }
 
 }  // namespace
+
+// The arc on which the centre of a sphere moves round the edge or vertex of a contact towards the
+// goal, up to the place that is nearest to the goal or up to a right angle. Nullopt if there is no
+// such arc: the goal is on the other side of the feature, or the feature is an edge along the plane
+// of motion.
+std::optional<RollArc> GodObject::arc_round(const FaceContact& now) const {
+  RollArc arc;
+  const double reach_m = tracer_.radius_m() + scale().stop_m;
+  const bool is_edge = now.feature == TriangleFeature::kEdge;
+  arc.edge = is_edge ? tracer_.edge_direction(now) : Vec3(Vec3::Zero());
+  arc.feature_point = arc.centre = now.feature_point;
+  if (!motion_plane_) {
+    Vec3 out = goal_ - now.feature_point;
+    const Vec3 along = out.dot(arc.edge) * arc.edge;
+    if (is_edge) {
+      arc.drift = tracer_.contact_at(now.face, proxy_ + along, now.normal).feature_point -
+                  now.feature_point;
+    }
+    out = (out - along).normalized();
+    const double cosine = out.dot(now.normal);
+    const Vec3 across = out - cosine * now.normal;
+    const double sine = across.norm();
+    if (cosine <= 0.0 || sine <= kCancelledNormal) return std::nullopt;
+    arc.u = reach_m * now.normal;
+    arc.v = reach_m / sine * across;
+    arc.angle_rad = std::atan2(sine, cosine);
+    return arc;
+  }
+  // The section of the plane of motion with the sphere or cylinder on which the centre moves: a
+  // circle or an ellipse. The plane crosses the edge at the centre of the ellipse.
+  const Vec3& n = motion_plane_->normal();
+  const double height_m = (proxy_ - now.feature_point).dot(n);
+  const double lean = is_edge ? std::abs(n.dot(arc.edge)) : 1.0;  // of the edge against the plane
+  if (lean <= kLeastLean || (!is_edge && std::abs(height_m) >= reach_m)) return std::nullopt;
+  arc.centre += is_edge ? Vec3(height_m / n.dot(arc.edge) * arc.edge) : Vec3(height_m * n);
+  const double least_m = is_edge ? reach_m : std::sqrt((reach_m - height_m) * (reach_m + height_m));
+  const Vec3 from_centre = proxy_ - arc.centre;
+  // The axes of the ellipse: across the edge, and along its projection.
+  const Vec3 side = is_edge && lean < 1.0 - kOutOfPlane ? Vec3(n.cross(arc.edge)) : from_centre;
+  const Vec3 minor = (side - side.dot(n) * n).normalized();
+  const Vec3 major = n.cross(minor);
+  const double start_rad = std::atan2(lean * from_centre.dot(major), from_centre.dot(minor));
+  const double c = std::cos(start_rad);
+  const double s = std::sin(start_rad);
+  arc.u = least_m * (c * minor + s / lean * major);
+  arc.v = least_m * (c / lean * major - s * minor);
+  if (arc.v.dot(goal_ - proxy_) < 0.0) arc.v = -arc.v;
+  arc.angle_rad = 0.5 * std::numbers::pi;
+  return arc;
+}
+
+// Moves a sphere along a part of an arc, on tangents. False if an obstacle blocks one of them or if
+// the end is farther from the goal.
+bool GodObject::rolls_along(const RollArc& arc, double part) {
+  const double turn_rad = part * arc.angle_rad;
+  const double count = std::max(1.0, std::ceil(turn_rad / kRollTurn_rad));
+  const double stretch = 1.0 / std::cos(0.5 * turn_rad / count);
+  std::array<Vec3, kMostRollCorners + 1> corners;
+  std::size_t corner_count = 0;
+  for (double k = 0.5; k < count; k += 1.0) {
+    corners[corner_count++] = point_in_motion_plane(arc.place(k / count * part, stretch));
+  }
+  corners[corner_count++] = point_in_motion_plane(arc.place(part));
+  const auto path = std::span(corners).first(corner_count);
+  if ((path.back() - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
+  if (part_free(path) < 1.0) return false;
+  for (const Vec3& corner : path) commit(corner);
+  planes_are_current_ = false;
+  return true;
+}
 
 // Moves a sphere that only an edge or vertex holds round the feature to its final position, which
 // lies straight out from the feature through the goal. The centre is held by a curved surface, so

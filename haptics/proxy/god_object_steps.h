@@ -52,6 +52,37 @@ struct GodObject::ProxyPlace {
 // vertex. Its largest turn, a right angle, needs this number.
 constexpr std::size_t kMostRollCorners = 7;
 
+// A sphere moves round a feature along tangents. Each turns by at most this angle, so that the
+// corners are 0.8 % of the radius off the arc.
+constexpr double kRollTurn_rad = 0.25;
+
+// A path of a sphere's centre round an edge or vertex, with the part of the path as parameter. It
+// is a circle, a helix, or an ellipse in the plane of motion. Solver frame, m.
+struct RollArc {
+  Vec3 centre = Vec3::Zero();
+  Vec3 u = Vec3::Zero();              // from the centre to the start
+  Vec3 v = Vec3::Zero();              // from the centre to the place a right angle on
+  Vec3 drift = Vec3::Zero();          // along the edge, over the whole path
+  double angle_rad = 0.0;             // of the whole path
+  Vec3 feature_point = Vec3::Zero();  // on the edge or vertex
+  Vec3 edge = Vec3::Zero();           // direction of the edge; zero for a vertex
+
+  // stretch: distance from the centre relative to the arc, for corners of tangents.
+  Vec3 place(double part, double stretch = 1.0) const {
+    const double turn_rad = part * angle_rad;
+    return centre + part * drift + stretch * (std::cos(turn_rad) * u + std::sin(turn_rad) * v);
+  }
+  // The direction of motion, not normalised.
+  Vec3 heading(double part) const {
+    const double turn_rad = part * angle_rad;
+    return drift + angle_rad * (std::cos(turn_rad) * v - std::sin(turn_rad) * u);
+  }
+  // The point of the feature that is nearest to a place.
+  Vec3 foot(const Vec3& place) const {
+    return feature_point + (place - feature_point).dot(edge) * edge;
+  }
+};
+
 // Unit normals cancel if their sum is not longer than this length, which rounding alone can give.
 constexpr double kCancelledNormal = 16 * std::numeric_limits<double>::epsilon();
 
@@ -68,6 +99,9 @@ constexpr int kStepsToFall = 5;
 
 // Number of steps from one leap of a slow sphere to the next.
 constexpr int kStepsPerLeap = 8;
+
+// Number of times that a settled sphere computes its contact normals again under friction.
+constexpr int kMostLooks = 3;
 
 // Growth of an extrapolation after each success.
 constexpr double kFasterEachTime = 4.0;
@@ -118,6 +152,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   settled_ = false;
   rounding_decides_ = false;
   int iteration = 0;
+  [[maybe_unused]] int looks_again = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
     if (iteration > kPatience) become_slow();
@@ -134,6 +169,15 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     // also at rest if the planes that hold it were computed at its present position
     // (update_planes).
     settled_ = progress != Progress::kStuck && settled();
+    if constexpr (Friction::kHolds) {
+      // The cone of a sphere is that of the normals at its place.
+      const bool is_turned = tracer_.radius_m() > 0.0 && !planes_are_current_;
+      if (settled_ && is_turned && friction.holds() && looks_again < kMostLooks) {
+        ++looks_again;
+        update_planes();
+        continue;
+      }
+    }
     if (!settled_ && progress != Progress::kMoved && planes_are_current_) {
       if (leaves_edges(progress, friction)) {
         rounding_decides_ = false;
@@ -199,16 +243,19 @@ template <typename Friction>
   }
 }
 
-// Determines the active planes of a capped tick. The plane of the face that the proxy met last may
-// be one of them.
+// Determines the planes that hold the proxy after a capped tick. The plane of the face that the
+// proxy met last may be one of them.
 template <typename Friction>
 [[gnu::cold]] void GodObject::find_holding_planes(Friction& friction) {
-  if (projection_.active_count > 0) return;
-  projection_ = project(friction, planes());
-  if (!projection_.solved) projection_ = {};
   if constexpr (Friction::kHolds) {
-    hold_by(friction);
-    friction.wants_to_slide = false;
+    // The state is that of the faces that the proxy touches now, not that of the last step.
+    projection_ = project(friction, planes());
+    if (!projection_.solved || is_off_planes()) projection_ = {};
+    find_friction_here(friction);
+  } else {
+    if (projection_.active_count > 0) return;
+    projection_ = project(friction, planes());
+    if (!projection_.solved) projection_ = {};
   }
 }
 
@@ -234,7 +281,9 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
     if (flies) {
       friction.begin_step();
       projection_.displacement_m = step_to_planes();
-    } else if (!hold_by(friction) && is_sphere && roll_to_answer()) {
+    } else if (hold_by(friction)) {
+      if (is_sphere && friction.wants_to_slide && roll_to_cone(friction)) return Progress::kStopped;
+    } else if (is_sphere && roll_to_answer()) {
       return Progress::kStopped;
     }
   } else {
@@ -248,7 +297,9 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   if (!is_free && has_converged(step)) return Progress::kHeld;
   // A slow proxy may also rest after a small step, but only if it touches the planes: farther away,
   // it could miss an edge directly in front of it.
-  const bool may_rest = is_slow_ && planes_are_current_ && !is_free;
+  // Under friction it slides on, until its lag is on the cone.
+  bool may_rest = is_slow_ && planes_are_current_ && !is_free;
+  if constexpr (Friction::kHolds) may_rest = may_rest && !friction.wants_to_slide;
   if (may_rest && is_little(friction, step) && touches_planes()) return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !bounds_.contains(target);

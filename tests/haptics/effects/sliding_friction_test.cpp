@@ -569,13 +569,17 @@ TEST(SlidingFriction, ContinuesOverTheEdgesOfAMesh) {
       bool has_slipped = false;
       int slides = 0;
       int capped = 0;
+      int shorter = 0;  // ticks in which a sphere came down from one face to another
+      bool was_shorter = false;
       for (double angle = 0.0; angle < 6.0; angle += step_rad) {
         const TickRecord& record =
             loop.tick(deep_m * (std::cos(angle) * u + std::sin(angle) * v), kTick_s);
         ASSERT_TRUE(record.contact);
         has_slipped = has_slipped || record.friction == FrictionState::kSlides;
         if (!has_slipped) continue;
-        ASSERT_EQ(record.friction, FrictionState::kSlides) << run << " " << angle;
+        const bool is_shorter = record.friction == FrictionState::kSticks;
+        ASSERT_FALSE(is_shorter && (was_shorter || proxy_radius_m == 0.0)) << run << " " << angle;
+        was_shorter = is_shorter;
         const double press_N = vec3(record.force_device_N).dot(vec3(record.normal_scene));
         const double side_N =
             (vec3(record.force_device_N) - press_N * vec3(record.normal_scene)).norm();
@@ -583,11 +587,17 @@ TEST(SlidingFriction, ContinuesOverTheEdgesOfAMesh) {
           ++capped;
           continue;
         }
+        if (is_shorter) {
+          ++shorter;
+          ASSERT_LT(side_N / press_N, 0.4) << run << " " << angle;
+          continue;
+        }
         ASSERT_NEAR(side_N / press_N, 0.4, rounded) << run << " " << angle;
         ++slides;
       }
       EXPECT_GT(slides, 200);
       EXPECT_LE(capped, proxy_radius_m > 0.0 ? slides / 100 : 0) << run;
+      EXPECT_LE(shorter, slides / 100) << run;
     }
   }
 }
