@@ -36,6 +36,12 @@ struct SceneSettings {
   // An animation and a time, "NAME@SECONDS" or "#number@SECONDS" (GltfPose::choose). Empty: the
   // rest pose of the file. Used by load() only.
   std::string pose = {};
+  // Whether boundaries are joined that meet within the rounding of the file (join_bound.h): in each
+  // mesh, and between nodes at rest. False for recordings of before, which were made without.
+  bool joins_within_rounding = true;
+  // If > 0, boundaries of a mesh that are at most this far apart are joined, too. Metres in the
+  // scene frame, after scaling; less than the extent of the scene.
+  double close_gaps_m = 0.0;
   // Limit on the memory used for loading; 0: half of the free memory (memory_budget.h).
   std::uint64_t max_memory_bytes = 0;
 };
