@@ -52,6 +52,7 @@ struct Place {
 struct Pair {
   std::uint32_t edge;
   std::uint32_t mate;
+  double apart_m;  // GapLimit
 };
 
 class JoinSearch {
@@ -156,10 +157,17 @@ class JoinSearch {
       } else if (mate == kSeveral || mates[mate] != i) {
         ++ambiguous_edges_;
       } else if (i < mate) {
-        pairs_.push_back({long_edges[i], long_edges[mate]});
+        pairs_.push_back({long_edges[i], long_edges[mate],
+                          apart_m(edges_[long_edges[i]], edges_[long_edges[mate]])});
       }
     }
     return alone;
+  }
+
+  // The larger distance of two ends.
+  double apart_m(const Edge& edge, const Edge& mate) {
+    return std::max((limit_.linear * (joined(edge.from) - joined(mate.to))).norm(),
+                    (limit_.linear * (joined(edge.to) - joined(mate.from))).norm());
   }
 
   // The only edge that can be joined with edge number i; kNone or kSeveral if there is no such one.
@@ -413,6 +421,7 @@ class JoinSearch {
                 return std::pair(x.half_edge, x.along) < std::pair(y.half_edge, y.along);
               });
     joins.ambiguous_edges = ambiguous_edges_;
+    for (const Pair& p : pairs_) joins.nearest_m = std::min(joins.nearest_m, p.apart_m);
     return joins;
   }
 
@@ -531,9 +540,9 @@ std::uint64_t boundary_joins_memory(const WeldedSurface& surface) {
   // Per edge: the half-edge and two ends in growing lists; edge, middle, mate and pair; in the
   // second pass ends, places and their pieces; a hole, a merged vertex and a division in growing
   // lists.
-  constexpr std::uint64_t kPerEdge = 2 * 3 * kIndex + sizeof(Edge) +
-                                     PointTree::bytes(1) + kIndex + 2 * sizeof(Pair) +
-                                     2 * 3 * kIndex + 2 * sizeof(Place) + 2 * sizeof(Edge) +
+  constexpr std::uint64_t kPerEdge = 2 * 3 * kIndex + sizeof(Edge) + PointTree::bytes(1) + kIndex +
+                                     2 * sizeof(Pair) + 2 * 3 * kIndex + 2 * sizeof(Place) +
+                                     2 * sizeof(Edge) +
                                      2 * (kIndex + sizeof(MergedVertex) + sizeof(EdgeDivision));
   // Per boundary vertex, of which there are at most two per edge: number, extent, set, marks.
   constexpr std::uint64_t kPerVertex = 4 * kIndex + sizeof(double);

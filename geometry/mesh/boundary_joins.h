@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "geometry/base/memory_breakdown.h"
 #include "geometry/base/types.h"
@@ -24,6 +25,9 @@ struct BoundaryJoins {
   // Boundary edges that stay open because they are near several others, or because the surface has
   // details that are smaller than the bound there.
   std::size_t ambiguous_edges = 0;
+  // The smallest distance of the ends of two joined edges, measured as in GapLimit: the larger one
+  // of the two ends. Infinite if no edges are joined.
+  double nearest_m = std::numeric_limits<double>::infinity();
 };
 
 // Two positions count as one if they are within join_bound_m() of each other, or within the limit.
