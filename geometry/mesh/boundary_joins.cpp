@@ -1,11 +1,13 @@
 #include "geometry/mesh/boundary_joins.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "geometry/base/lowest_union.h"
+#include "geometry/exact/exact.h"
 #include "geometry/mesh/boundary_vertices.h"
 #include "geometry/mesh/join_bound.h"
 #include "geometry/mesh/point_tree.h"
@@ -104,7 +106,7 @@ class JoinSearch {
 
   bool counts_as_one(const Vec3& p, const Vec3& q, double extent_m) const {
     return is_within(p, q, join_bound_m(p, q, extent_m)) ||
-           (limit_.most_m > 0.0 && (limit_.linear * (p - q)).norm() <= limit_.most_m);
+           (limit_.most_m > 0.0 && length_m(p - q) <= limit_.most_m);
   }
   bool counts_as_one(std::uint32_t v, std::uint32_t w) {
     return sets_.lowest(v) == sets_.lowest(w) ||
@@ -122,16 +124,16 @@ class JoinSearch {
   void find_boundary_faces() {
     std::vector<bool> is_on_boundary(surface_.positions().size(), false);
     for (const std::uint32_t v : vertices_) is_on_boundary[v] = true;
-    const auto is_near = [&](const Triangle& face) {
-      return is_on_boundary[face[0]] + is_on_boundary[face[1]] + is_on_boundary[face[2]] >= 2;
-    };
-    const auto faces = surface_.faces();
-    faces_.reserve(static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), is_near)));
-    for (const Triangle& face : faces) {
-      if (is_near(face)) {
-        faces_.push_back({index_of(face[0]), index_of(face[1]), index_of(face[2])});
-      }
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      const auto [a, b, c] = surface_.faces()[f];
+      if (is_on_boundary[a] || is_on_boundary[b] || is_on_boundary[c]) faces_.push_back(f);
     }
+  }
+
+  // The corners of a face, as indices into the boundary vertices; kNone for other vertices.
+  Triangle corners_of(std::uint32_t face) const {
+    const auto [a, b, c] = surface_.faces()[face];
+    return {index_of(a), index_of(b), index_of(c)};
   }
 
   // Pairs edges one to one. Returns the edges that have no mate. Tiny edges are left out: all their
@@ -164,10 +166,23 @@ class JoinSearch {
     return alone;
   }
 
-  // The larger distance of two ends.
+  // The larger distance of two ends, and of ends of pieces from the edges that they divide.
   double apart_m(const Edge& edge, const Edge& mate) {
-    return std::max((limit_.linear * (joined(edge.from) - joined(mate.to))).norm(),
-                    (limit_.linear * (joined(edge.to) - joined(mate.from))).norm());
+    const double ends_m = std::max(length_m(joined(edge.from) - joined(mate.to)),
+                                   length_m(joined(edge.to) - joined(mate.from)));
+    return std::max({ends_m, from_whole_m(edge), from_whole_m(mate)});
+  }
+  double length_m(const Vec3& difference) const { return (limit_.linear * difference).norm(); }
+  double from_whole_m(const Edge& piece) {
+    const Edge& whole = edges_[piece.whole];
+    const Vec3 a = joined(whole.from);
+    const Vec3 along = joined(whole.to) - a;
+    double most_m = 0.0;
+    for (const std::uint32_t v : {piece.from, piece.to}) {
+      const Vec3 d = joined(v) - a;
+      most_m = std::max(most_m, length_m(d - d.dot(along) / along.squaredNorm() * along));
+    }
+    return most_m;
   }
 
   // The only edge that can be joined with edge number i; kNone or kSeveral if there is no such one.
@@ -181,7 +196,9 @@ class JoinSearch {
     const bool is_complete = tree.visit_box(box, [&](std::uint32_t j) {
       if (++visits > kMostNear) return false;
       const Edge& other = edges_[edges[j]];
-      if (j != i && counts_as_one(edge.from, other.to) && counts_as_one(edge.to, other.from)) {
+      const bool is_other_face = edge.half_edge / 3 != other.half_edge / 3;
+      if (is_other_face && counts_as_one(edge.from, other.to) &&
+          counts_as_one(edge.to, other.from)) {
         mate = mate == kNone ? j : kSeveral;
       }
       return mate != kSeveral;
@@ -228,10 +245,19 @@ class JoinSearch {
 
   bool mark_flat(std::vector<bool>& is_wrong) {
     bool any = false;
-    for (const Triangle& face : faces_) {
+    for (const std::uint32_t f : faces_) {
+      const Triangle corners = corners_of(f);
+      std::array<Vec3, 3> p;
+      bool is_moved = false;
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t set = set_of(face[i]);
-        if (set != kNone && set == set_of(face[(i + 1) % 3])) any = is_wrong[set] = true;
+        p[i] = surface_.positions()[surface_.faces()[f][i]];
+        if (corners[i] == kNone || sets_.lowest(corners[i]) == corners[i]) continue;
+        p[i] = joined(corners[i]);
+        is_moved = true;
+      }
+      if (!is_moved || !exactly_collinear(p[0], p[1], p[2])) continue;
+      for (const std::uint32_t corner : corners) {
+        if (corner != kNone) any = is_wrong[sets_.lowest(corner)] = true;
       }
     }
     return any;
@@ -290,7 +316,24 @@ class JoinSearch {
         ++ambiguous_edges_;
       }
     }
+    erase_places_on_two_edges(places);
     return places;
+  }
+
+  // A vertex that lies on two edges of one face lies near their common end; the face is thin.
+  void erase_places_on_two_edges(std::vector<Place>& places) {
+    using FaceVertex = std::pair<std::uint32_t, std::uint32_t>;
+    const auto at = [&](const Place& p) {
+      return FaceVertex(edges_[p.edge].half_edge / 3, p.vertex);
+    };
+    std::vector<FaceVertex> all;
+    all.reserve(places.size());
+    for (const Place& p : places) all.push_back(at(p));
+    std::sort(all.begin(), all.end());
+    std::erase_if(places, [&](const Place& p) {
+      const auto [begin, end] = std::equal_range(all.begin(), all.end(), at(p));
+      return end - begin > 1;
+    });
   }
 
   // Appends the vertices that lie on an edge, in their order. Returns false if the order is not
@@ -390,7 +433,8 @@ class JoinSearch {
         hole.push_back(w);
         w = is_plain ? next[w] : kNone;
       }
-      if (w == v && hole.size() > 1) close_hole(hole);
+      // Two edges between the same two vertices surround no hole.
+      if (w == v && hole.size() > 2) close_hole(hole);
     }
   }
 
@@ -444,7 +488,8 @@ class JoinSearch {
         is_wrong[hole] = true;
       }
     }
-    for (const Triangle& face : faces_) {
+    for (const std::uint32_t f : faces_) {
+      const Triangle face = corners_of(f);
       const std::uint32_t hole = hole_at(face[0]);
       if (hole != kNone && hole == hole_at(face[1]) && hole == hole_at(face[2])) {
         is_wrong[hole] = true;
@@ -519,7 +564,7 @@ class JoinSearch {
   std::vector<double> extents_m_;        // of the parts of these vertices
   std::vector<Edge> edges_;              // the whole edges, then pieces
   std::size_t whole_edges_ = 0;
-  std::vector<Triangle> faces_;  // with two or more boundary vertices; kNone for other vertices
+  std::vector<std::uint32_t> faces_;  // with a boundary vertex
   std::vector<Pair> pairs_;
   LowestUnion sets_;  // vertices that are joined
   std::vector<std::vector<std::uint32_t>> holes_;
@@ -549,7 +594,7 @@ std::uint64_t boundary_joins_memory(const WeldedSurface& surface) {
   // Per position and face: parts and marks; faces at the boundary.
   constexpr std::uint64_t kPerPosition = 2 * kIndex + 1;
   return edges * (kPerEdge + 2 * kPerVertex) + surface.positions().size() * kPerPosition +
-         surface.face_count() * sizeof(Triangle);
+         2 * surface.face_count() * kIndex;
 }
 
 }  // namespace palpate
