@@ -23,13 +23,16 @@ constexpr std::uint32_t kSeveral = kNone - 1;
 // than the bound have their middles at one place only by chance.
 constexpr std::size_t kMostNear = 64;
 
-// Limit on the vertices examined near all edges, per edge and vertex. A vertex is usually near one
-// edge, and the search for it visits a few leaves of a PointTree.
-constexpr std::size_t kMostVisits = 64;
+// Limit on the leaves of a PointTree that are examined for vertices on edges, per edge and vertex.
+// A boundary edge usually passes a few leaves, because the vertices near it are its neighbours.
+constexpr std::size_t kMostLeaves = 16;
 
 // The search for what may be within a bound covers this much more than the bound, which is computed
 // from the coordinates of one of the two positions only.
 constexpr double kSearchMargin = 1 + 0x1p-10;
+
+// Limit on the places of vertices on edges, per vertex. A vertex usually lies on one edge.
+constexpr std::size_t kMostPlaces = 2;
 
 // Removing pairs can shift the lowest number of a set, after which other pairs may be too far from
 // it. If sets do not settle in this many rounds, they form long chains, and all pairs are removed.
@@ -307,11 +310,12 @@ class JoinSearch {
     positions.reserve(ends.size());
     for (const std::uint32_t v : ends) positions.push_back(position(v));
     const PointTree tree(std::move(positions));
-    std::size_t visits_left = kMostVisits * (edges.size() + ends.size());
+    std::size_t leaves_left = kMostLeaves * (edges.size() + ends.size());
+    std::size_t places_left = kMostPlaces * ends.size() + 1;
     std::vector<Place> places;
     for (const std::uint32_t e : edges) {
       const std::size_t first = places.size();
-      if (!find_places(e, ends, tree, visits_left, places) || places.size() > ends.size()) {
+      if (places_left == 0 || !find_places(e, ends, tree, leaves_left, places_left, places)) {
         places.resize(first);
         ++ambiguous_edges_;
       }
@@ -339,7 +343,7 @@ class JoinSearch {
   // Appends the vertices that lie on an edge, in their order. Returns false if the order is not
   // certain.
   bool find_places(std::uint32_t e, const std::vector<std::uint32_t>& ends, const PointTree& tree,
-                   std::size_t& visits_left, std::vector<Place>& places) {
+                   std::size_t& leaves_left, std::size_t& places_left, std::vector<Place>& places) {
     const Edge& edge = edges_[e];
     const Vec3 a = joined(edge.from);
     const Vec3 along = joined(edge.to) - a;
@@ -348,8 +352,6 @@ class JoinSearch {
     const std::uint32_t apex = set_of(index_of(face[previous_half_edge(edge.half_edge) % 3]));
     const auto first = static_cast<std::ptrdiff_t>(places.size());
     const auto examine = [&](std::uint32_t i) {
-      if (visits_left == 0) return false;
-      --visits_left;
       const std::uint32_t v = ends[i];
       const double t = (tree.point(i) - a).dot(along) / squared;
       const bool is_on = t > 0.0 && t < 1.0 && v != apex &&
@@ -357,9 +359,9 @@ class JoinSearch {
                                        std::min(extents_m_[v], extents_m_[edge.from])) &&
                          !counts_as_one(v, edge.from) && !counts_as_one(v, edge.to);
       if (is_on) places.push_back({e, v, t});
-      return true;
+      return !is_on || --places_left > 0;
     };
-    if (!tree.visit_segment(a, a + along, search_m(edge), examine)) return false;
+    if (!tree.visit_segment(a, a + along, search_m(edge), leaves_left, examine)) return false;
     std::sort(places.begin() + first, places.end(), [](const Place& x, const Place& y) {
       return std::pair(x.along, x.vertex) < std::pair(y.along, y.vertex);
     });

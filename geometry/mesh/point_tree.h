@@ -35,11 +35,14 @@ class PointTree {
     return visit_box(root(), box, visit);
   }
 
-  // Calls visit(number) for all points whose distance from the segment from a to b is at most
-  // margin_m along each axis, and for some other points, as visit_box() does.
+  // Calls visit(number) for all points whose distance from the segment from a to b is less than
+  // margin_m along each axis, and for some other points, as visit_box() does. Decrements
+  // leaves_left for each leaf of the tree that is examined, and returns false if it is 0: a long
+  // segment can pass many leaves.
   template <typename Visit>
-  bool visit_segment(const Vec3& a, const Vec3& b, const Vec3& margin_m, const Visit& visit) const {
-    return visit_segment(root(), {a, b - a, margin_m}, 0.0, 1.0, visit);
+  bool visit_segment(const Vec3& a, const Vec3& b, const Vec3& margin_m, std::size_t& leaves_left,
+                     const Visit& visit) const {
+    return visit_segment(root(), {a, b - a, margin_m, leaves_left}, 0.0, 1.0, visit);
   }
 
  private:
@@ -55,6 +58,7 @@ class PointTree {
   };
   struct Segment {
     Vec3 start, along, margin;
+    std::size_t& leaves_left;
   };
 
   // The plane at which an inner node is divided.
@@ -84,8 +88,12 @@ class PointTree {
   bool visit_segment(const Node& node, const Segment& segment, double from, double to,
                      const Visit& visit) const {
     if (node.is_leaf()) {
+      if (segment.leaves_left == 0) return false;
+      --segment.leaves_left;
+      const Vec3 p = segment.start + from * segment.along, q = segment.start + to * segment.along;
+      const Box box{p.cwiseMin(q) - segment.margin, p.cwiseMax(q) + segment.margin};
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        if (!visit(order_[i])) return false;
+        if (box.contains(points_[order_[i]]) && !visit(order_[i])) return false;
       }
       return true;
     }

@@ -304,7 +304,8 @@ TEST(PointTree, FindsThePointsInABoxAndNearASegment) {
       EXPECT_EQ(found, expected);
       const double margin = 0.1;
       std::set<std::uint32_t> near;
-      tree.visit_segment(a, b, Vec3::Constant(margin),
+      std::size_t leaves = 10000;
+      tree.visit_segment(a, b, Vec3::Constant(margin), leaves,
                          [&](std::uint32_t i) { return near.insert(i).second; });
       for (std::uint32_t i = 0; i < count; ++i) {
         const double t = std::clamp((points[i] - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
