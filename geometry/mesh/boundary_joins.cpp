@@ -32,7 +32,7 @@ constexpr std::size_t kMostLeaves = 16;
 constexpr double kSearchMargin = 1 + 0x1p-10;
 
 // Limit on the places of vertices on edges, per vertex. A vertex usually lies on one edge.
-constexpr std::size_t kMostPlaces = 2;
+constexpr std::size_t kMostPlaces = 1;
 
 // Removing pairs can shift the lowest number of a set, after which other pairs may be too far from
 // it. If sets do not settle in this many rounds, they form long chains, and all pairs are removed.
@@ -589,7 +589,7 @@ std::uint64_t boundary_joins_memory(const WeldedSurface& surface) {
   // lists.
   constexpr std::uint64_t kPerEdge = 2 * 3 * kIndex + sizeof(Edge) + PointTree::bytes(1) + kIndex +
                                      2 * sizeof(Pair) + 2 * 3 * kIndex + 2 * sizeof(Place) +
-                                     2 * sizeof(Edge) +
+                                     2 * sizeof(Edge) + 2 * kIndex +
                                      2 * (kIndex + sizeof(MergedVertex) + sizeof(EdgeDivision));
   // Per boundary vertex, of which there are at most two per edge: number, extent, set, marks.
   constexpr std::uint64_t kPerVertex = 4 * kIndex + sizeof(double);
