@@ -31,6 +31,19 @@ CornerCoordinates corners_of(const Triangle& triangle,
   return {uv[triangle[0]], uv[triangle[1]], uv[triangle[2]]};
 }
 
+// The coordinates at the corners of a piece of the triangle. Coordinates are linear in a triangle.
+CornerCoordinates of_piece(const CornerCoordinates& uv, const FacePiece* piece) {
+  if (!piece) return uv;
+  CornerCoordinates corners;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto [second, third] = piece->corners[i];
+    for (std::size_t k = 0; k < 2; ++k) {
+      corners[i][k] = uv[0][k] + second * (uv[1][k] - uv[0][k]) + third * (uv[2][k] - uv[0][k]);
+    }
+  }
+  return corners;
+}
+
 // Corner normals by face, for the shaded parts.
 std::vector<CornerNormals> shaded_normals(const PartedSurface& surface,
                                           const AttributeNeeds& needs) {
@@ -140,12 +153,14 @@ std::size_t MeshParts::memory_bytes() const {
          bytes_of(friction_uv_);
 }
 
-CornerCoordinates MeshParts::texture_uv(std::uint32_t source_triangle) const {
-  return corners_of(triangles_[source_triangle], texture_uv_);
+CornerCoordinates MeshParts::texture_uv(std::uint32_t source_triangle,
+                                        const FacePiece* piece) const {
+  return of_piece(corners_of(triangles_[source_triangle], texture_uv_), piece);
 }
 
-CornerCoordinates MeshParts::friction_uv(std::uint32_t source_triangle) const {
-  return corners_of(triangles_[source_triangle], friction_uv_);
+CornerCoordinates MeshParts::friction_uv(std::uint32_t source_triangle,
+                                         const FacePiece* piece) const {
+  return of_piece(corners_of(triangles_[source_triangle], friction_uv_), piece);
 }
 
 void MeshParts::drop_uv() {
@@ -175,13 +190,14 @@ SurfaceAttributes surface_attributes(const PartedSurface& surface, const Attribu
     if (is_shaded) attributes.corner_normals[slot] = normals[face];
     if (!needs.texture_uv && !needs.friction_uv) continue;
     const std::uint32_t source = surface.mesh->source_triangle(face);
+    const FacePiece* piece = surface.mesh->piece(face);
     if (needs.texture_uv) {
       attributes.texture_uv[slot] = UvMap::over(
-          surface.triangle(slot), in_index_order(parts.texture_uv(source), is_mirrored));
+          surface.triangle(slot), in_index_order(parts.texture_uv(source, piece), is_mirrored));
     }
     if (needs.friction_uv) {
       attributes.friction_uv[slot] = UvMap::over(
-          surface.triangle(slot), in_index_order(parts.friction_uv(source), is_mirrored));
+          surface.triangle(slot), in_index_order(parts.friction_uv(source, piece), is_mirrored));
     }
   }
   return attributes;

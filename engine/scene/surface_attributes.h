@@ -43,8 +43,9 @@ class MeshParts {
   // MeshDescription.
   bool has_texture_uv() const { return !texture_uv_.empty(); }
   bool has_friction_uv() const { return !friction_uv_.empty(); }
-  CornerCoordinates texture_uv(std::uint32_t source_triangle) const;
-  CornerCoordinates friction_uv(std::uint32_t source_triangle) const;
+  // piece: the piece of its source triangle that the face is, or null (SourceTriangles).
+  CornerCoordinates texture_uv(std::uint32_t source_triangle, const FacePiece* piece) const;
+  CornerCoordinates friction_uv(std::uint32_t source_triangle, const FacePiece* piece) const;
   void drop_uv();  // frees the texture coordinates
 
  private:

@@ -76,6 +76,8 @@ class SurfaceMesh {
 
   // Index into the triangles of the soup.
   std::uint32_t source_triangle(std::size_t face) const { return sources_.of_face(face); }
+  // The piece of the source triangle that a face is; null if the face is the whole triangle.
+  const FacePiece* piece(std::size_t face) const { return sources_.piece(face); }
   // The welded vertex of a vertex of surface().
   std::uint32_t welded_vertex(std::size_t split_vertex) const {
     return split_vertex < report_.welded_vertices

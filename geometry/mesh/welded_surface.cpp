@@ -57,10 +57,80 @@ void erase_faces(const std::vector<std::uint32_t>& dropped, std::vector<Triangle
   faces.resize(kept);
 }
 
+// Per vertex: whether a face uses it.
+FixedArray<std::uint8_t> used_vertices(std::span<const Triangle> faces, std::size_t vertex_count) {
+  FixedArray<std::uint8_t> is_used(vertex_count);
+  std::fill(is_used.data(), is_used.data() + vertex_count, std::uint8_t{0});
+  run_ranges(faces.size(), kFacesWorthAThread, [&](std::size_t begin, std::size_t end) {
+    for (const Triangle& face : faces.subspan(begin, end - begin)) {
+      for (const std::uint32_t v : face) {
+        std::atomic_ref(is_used[v]).store(1, std::memory_order_relaxed);
+      }
+    }
+  });
+  return is_used;
+}
+
+}  // namespace
+
+WeldedSurface::WeldedSurface(std::vector<Vec3> positions, std::vector<Triangle> triangles) {
+  weld(std::move(positions), std::move(triangles));
+  drop_unused_positions();
+}
+
+WeldedSurface WeldedSurface::with_unused_positions(std::vector<Vec3> positions,
+                                                   std::vector<Triangle> triangles) {
+  WeldedSurface surface;
+  surface.weld(std::move(positions), std::move(triangles));
+  return surface;
+}
+
+void WeldedSurface::weld(std::vector<Vec3> positions, std::vector<Triangle> triangles) {
+  faces_ = std::move(triangles);
+  assert(faces_.size() < 300'000'000);  // six half-edges each, within OpenMesh's int
+  report_.triangles_in = faces_.size();
+  Weld weld = weld_equal_positions(std::move(positions));
+  std::vector<std::uint32_t> dropped = weld_triangles(weld, faces_);
+  weld.vertex_of = std::vector<std::uint32_t>();  // {} would keep its memory
+  positions_ = std::move(weld.positions_m);
+  erase_faces(dropped, faces_);
+  report_.dropped_degenerate = dropped.size();
+  mates_ = match_half_edges(faces_, positions_.size());
+  if (mates_.has_duplicates) {
+    mates_ = {};  // frees the old mates before new ones are computed
+    drop_duplicates(dropped);
+    mates_ = match_half_edges(faces_, positions_.size());
+  }
+  report_.dropped_duplicate = dropped.size() - report_.dropped_degenerate;
+  sources_ = SourceTriangles(dropped);
+  count();
+}
+
+// Updates the parts of the report that follow from faces, mates and positions.
+void WeldedSurface::count() {
+  report_.triangles = faces_.size();
+  report_.boundary_edges = mates_.boundary_edges;
+  report_.non_manifold_edges = mates_.non_manifold_edges;
+  report_.welded_vertices = positions_.size();
+  position_span_ = positions_;
+}
+
+MemoryNeed WeldedSurface::memory_need(std::uint64_t positions, std::uint64_t triangles) {
+  constexpr std::uint64_t kBlocks = 1024;  // rounding of block sizes, and small blocks
+  constexpr std::uint64_t kIndex = sizeof(std::uint32_t);
+  const std::uint64_t mates = 3 * kIndex * triangles;
+  // Each half-edge by its lower end. The search for duplicates, with sorted faces by lowest vertex,
+  // needs no more.
+  const std::uint64_t match = mates + 3 * kIndex * triangles + kIndex * positions;
+  // A sample of lower ends, in a growing list.
+  const std::uint64_t sample = mates + 9 * kIndex * std::min<std::uint64_t>(triangles, 4096);
+  return {mates + kBlocks, std::max({weld_memory(positions), match, sample}) + kBlocks};
+}
+
 // The faces with the same three vertices as an earlier face, ascending.
-std::vector<std::uint32_t> find_duplicates(std::span<const Triangle> faces,
-                                           std::size_t vertex_count) {
-  std::vector<Triangle> keys(faces.begin(), faces.end());
+std::vector<std::uint32_t> WeldedSurface::find_duplicates() const {
+  std::vector<Triangle> keys = faces_;
+  const std::size_t vertex_count = positions_.size();
   for (Triangle& key : keys) std::sort(key.begin(), key.end());
   Buckets by_lowest =
       group_by_key(keys.size(), vertex_count, [&](std::size_t f) { return keys[f][0]; });
@@ -79,75 +149,9 @@ std::vector<std::uint32_t> find_duplicates(std::span<const Triangle> faces,
   return duplicates;
 }
 
-// Per vertex: whether a face uses it.
-FixedArray<std::uint8_t> used_vertices(std::span<const Triangle> faces, std::size_t vertex_count) {
-  FixedArray<std::uint8_t> is_used(vertex_count);
-  std::fill(is_used.data(), is_used.data() + vertex_count, std::uint8_t{0});
-  run_ranges(faces.size(), kFacesWorthAThread, [&](std::size_t begin, std::size_t end) {
-    for (const Triangle& face : faces.subspan(begin, end - begin)) {
-      for (const std::uint32_t v : face) {
-        std::atomic_ref(is_used[v]).store(1, std::memory_order_relaxed);
-      }
-    }
-  });
-  return is_used;
-}
-
-}  // namespace
-
-SourceTriangles::SourceTriangles(const std::vector<std::uint32_t>& dropped)
-    : kept_before_(dropped.size()) {
-  for (std::size_t i = 0; i < dropped.size(); ++i) {
-    kept_before_[i] = dropped[i] - static_cast<std::uint32_t>(i);
-  }
-}
-
-std::uint32_t SourceTriangles::of_face(std::size_t face) const {
-  const auto later = std::upper_bound(kept_before_.begin(), kept_before_.end(), face);
-  return static_cast<std::uint32_t>(face + static_cast<std::size_t>(later - kept_before_.begin()));
-}
-
-WeldedSurface::WeldedSurface(std::vector<Vec3> positions, std::vector<Triangle> triangles)
-    : faces_(std::move(triangles)) {
-  assert(faces_.size() < 300'000'000);  // six half-edges each, within OpenMesh's int
-  report_.triangles_in = faces_.size();
-  Weld weld = weld_equal_positions(std::move(positions));
-  std::vector<std::uint32_t> dropped = weld_triangles(weld, faces_);
-  weld.vertex_of = std::vector<std::uint32_t>();  // {} would keep its memory
-  positions_ = std::move(weld.positions_m);
-  erase_faces(dropped, faces_);
-  report_.dropped_degenerate = dropped.size();
-  mates_ = match_half_edges(faces_, positions_.size());
-  if (mates_.has_duplicates) {
-    mates_ = {};  // frees the old mates before new ones are computed
-    drop_duplicates(dropped);
-    mates_ = match_half_edges(faces_, positions_.size());
-  }
-  report_.dropped_duplicate = dropped.size() - report_.dropped_degenerate;
-  report_.triangles = faces_.size();
-  report_.boundary_edges = mates_.boundary_edges;
-  report_.non_manifold_edges = mates_.non_manifold_edges;
-  drop_unused_positions();
-  report_.welded_vertices = positions_.size();
-  position_span_ = positions_;
-  sources_ = SourceTriangles(dropped);
-}
-
-MemoryNeed WeldedSurface::memory_need(std::uint64_t positions, std::uint64_t triangles) {
-  constexpr std::uint64_t kBlocks = 1024;  // rounding of block sizes, and small blocks
-  constexpr std::uint64_t kIndex = sizeof(std::uint32_t);
-  const std::uint64_t mates = 3 * kIndex * triangles;
-  // Each half-edge by its lower end. The search for duplicates, with sorted faces by lowest vertex,
-  // needs no more.
-  const std::uint64_t match = mates + 3 * kIndex * triangles + kIndex * positions;
-  // A sample of lower ends, in a growing list.
-  const std::uint64_t sample = mates + 9 * kIndex * std::min<std::uint64_t>(triangles, 4096);
-  return {mates + kBlocks, std::max({weld_memory(positions), match, sample}) + kBlocks};
-}
-
 // Drops duplicate faces and adds their triangles to `dropped`.
 void WeldedSurface::drop_duplicates(std::vector<std::uint32_t>& dropped) {
-  const std::vector<std::uint32_t> duplicates = find_duplicates(faces_, positions_.size());
+  const std::vector<std::uint32_t> duplicates = find_duplicates();
   const SourceTriangles sources(dropped);
   const auto first = static_cast<std::ptrdiff_t>(dropped.size());
   for (const std::uint32_t f : duplicates) dropped.push_back(sources.of_face(f));
@@ -155,7 +159,7 @@ void WeldedSurface::drop_duplicates(std::vector<std::uint32_t>& dropped) {
   erase_faces(duplicates, faces_);
 }
 
-// Removes the positions that no face uses, keeps the order of the others, and renumbers the faces.
+// Keeps the order of the others, and renumbers the faces.
 void WeldedSurface::drop_unused_positions() {
   const FixedArray<std::uint8_t> is_used = used_vertices(faces_, positions_.size());
   if (std::find(is_used.begin(), is_used.end(), 0) == is_used.end()) return;
@@ -170,6 +174,8 @@ void WeldedSurface::drop_unused_positions() {
   for (Triangle& face : faces_) {
     for (std::uint32_t& v : face) v = new_index[v];
   }
+  report_.welded_vertices = positions_.size();
+  position_span_ = positions_;
 }
 
 }  // namespace palpate

@@ -10,10 +10,13 @@
 #include "geometry/base/memory_breakdown.h"
 #include "geometry/base/types.h"
 #include "geometry/mesh/half_edges.h"
+#include "geometry/mesh/source_triangles.h"
+#include "geometry/mesh/surface_changes.h"
 
 namespace palpate {
 
-// The result of cleaning. triangles_in == triangles + dropped_degenerate + dropped_duplicate.
+// The result of cleaning. triangles_in + added_triangles == triangles + dropped_degenerate +
+// dropped_duplicate.
 struct CleaningReport {
   std::size_t triangles_in = 0;
   std::size_t triangles = 0;           // faces of the surface
@@ -23,22 +26,11 @@ struct CleaningReport {
   std::size_t split_vertices = 0;      // copies made so that OpenMesh accepts every face
   std::size_t boundary_edges = 0;      // welded edges with one face
   std::size_t non_manifold_edges = 0;  // welded edges with 3 or more faces, or 2 misaligned
-};
-
-// Maps a face to its input triangle after some triangles were dropped.
-class SourceTriangles {
- public:
-  SourceTriangles() = default;
-  // dropped: numbers of the dropped triangles, ascending.
-  explicit SourceTriangles(const std::vector<std::uint32_t>& dropped);
-
-  // O(log n) in the number of dropped triangles.
-  std::uint32_t of_face(std::size_t face) const;
-  std::size_t memory_bytes() const { return kept_before_.capacity() * sizeof(kept_before_[0]); }
-
- private:
-  // The number of kept triangles before each dropped triangle; ascending.
-  std::vector<std::uint32_t> kept_before_;
+  // Changes after exact welding (WeldedSurface::change()).
+  std::size_t joined_edges = 0;     // pairs of boundary edges that became one edge
+  std::size_t joined_vertices = 0;  // replaced by another vertex
+  std::size_t divided_edges = 0;    // boundary edges divided at vertices that lie on them
+  std::size_t added_triangles = 0;  // by the division of edges
 };
 
 // A triangle surface made from any triangle soup. Positions are in metres in the caller's frame.
@@ -62,6 +54,21 @@ class WeldedSurface {
   // to the input.
   static MemoryNeed memory_need(std::uint64_t positions, std::uint64_t triangles);
 
+  // The same surface, but positions() also has the distinct positions that no face uses.
+  static WeldedSurface with_unused_positions(std::vector<Vec3> positions,
+                                             std::vector<Triangle> triangles);
+
+  // Applies the changes and cleans again: triangles without area and duplicate triangles are
+  // dropped, and so are positions that no face uses. Faces, edges and vertices get new numbers, in
+  // the same order; the pieces of a divided face follow each other. The report counts the changes.
+  // Positions must stay distinct: vertices that meet must be merged. Must not be called after a
+  // SurfaceMesh has been constructed from this object. O(n log n).
+  void change(const SurfaceChanges& changes);
+  // The memory that change() needs in addition to this object. divisions: at most this many.
+  MemoryNeed memory_need_of_change(std::uint64_t divisions) const;
+  void drop_unused_positions();
+  WeldedSurface copy() const;
+
   std::size_t face_count() const { return faces_.size(); }
   // Indices of welded vertices.
   std::span<const Triangle> faces() const { return faces_; }
@@ -69,14 +76,20 @@ class WeldedSurface {
   std::span<const Vec3> positions() const { return position_span_; }
   // Index of a face's triangle in the input.
   std::uint32_t source_triangle(std::size_t face) const { return sources_.of_face(face); }
+  const SourceTriangles& sources() const { return sources_; }
   const HalfEdgeMates& mates() const { return mates_; }
   const CleaningReport& report() const { return report_; }  // split_vertices is not yet known
 
  private:
   friend class SurfaceMesh;
 
+  void weld(std::vector<Vec3> positions, std::vector<Triangle> triangles);
+  std::vector<std::uint32_t> find_duplicates() const;
   void drop_duplicates(std::vector<std::uint32_t>& dropped);
-  void drop_unused_positions();
+  void divide_faces(std::span<const EdgeDivision> divisions);
+  void clean_again();
+  void drop_faces(const std::vector<std::uint32_t>& dropped);
+  void count();
 
   std::vector<Triangle> faces_;
   std::vector<Vec3> positions_;

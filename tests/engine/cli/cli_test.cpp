@@ -225,6 +225,7 @@ const std::vector<OptionHelp> kSharedOptions{{"--sensors", "2 or 3"},
                                              {"--strategy", "a4-anticipate"},
                                              {"--material", "NAME.key=value"},
                                              {"--pose", "NAME@SECONDS"},
+                                             {"--close-gaps", "at most this far apart"},
                                              {"--effect-times", "share"}};
 
 // The part of a help text about an option: its line and the continuation of it.
@@ -830,6 +831,9 @@ TEST_F(CommandLine, DescribesASceneInJson) {
                                    "split_vertices",
                                    "boundary_edges",
                                    "non_manifold_edges",
+                                   "joined",
+                                   "gaps_joined",
+                                   "nearest_gap_m",
                                    "extent_m",
                                    "bounding_box",
                                    "contours",
