@@ -210,6 +210,8 @@ template <typename Friction>
 
 template <typename Friction>
 GodObject::Progress GodObject::take_step(Friction& friction) {
+  tracer_.count(Work::kStep, 1);
+  tracer_.count(Work::kPlane, static_cast<std::size_t>(plane_count_));
   if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
   projection_ = friction.project(planes(), goal_ - proxy_);
   if (!projection_.solved) return Progress::kStuck;

@@ -1200,7 +1200,7 @@ TEST_F(CommandLine, SummarisesAReplayInJson) {
   EXPECT_EQ(keys_of(summary["faults"]),
             sorted({"non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held",
                     "bad_body_pose", "non_finite_force", "far_sample", "bad_settings",
-                    "invalid_sample", "bad_actuation"}));
+                    "invalid_sample", "bad_actuation", "effects_capped"}));
   // The figures are those of the trace.
   int contact_ticks = 0;
   int losses = 0;
