@@ -3,10 +3,10 @@
 //
 // usage: work_prices [--repeats=N] [--filter=TEXT] [--small] [--csv=FILE --cpu=NAME]
 //
-// A unit: time and counted work of the ticks of an input whose ticks spend most of their work on one
-// kind of operation. A tick: the proxy, the moving bodies and, in the rows with effects, the effects
-// of every body. Each time is the shortest of all passes: the budget bounds the work of a tick, not
-// interruptions by the machine. The state before a tick is the same in every pass.
+// A unit: time and counted work of the ticks of an input whose ticks spend most of their work on
+// one kind of operation. A tick: the proxy, the moving bodies and, in the rows with effects, the
+// effects of every body. Each time is the shortest of all passes: the budget bounds the work of a
+// tick, not interruptions by the machine. The state before a tick is the same in every pass.
 //
 // --small: inputs of the size of the tests. The exit code does not depend on a time.
 

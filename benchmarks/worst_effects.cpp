@@ -51,8 +51,7 @@ std::shared_ptr<const EffectProgram> program_of(const ContactWorld& world, Effec
       region.index = body.index;
       region.p_region_solver = map_index_solver(body);
       builder.program.media.push_back(region);
-      builder.add_surroundings(
-          entry_of<ViscosityEffect>({1.0, &builder.program.media.back()}));
+      builder.add_surroundings(entry_of<ViscosityEffect>({1.0, &builder.program.media.back()}));
     }
   }
   return std::make_shared<const EffectProgram>(std::move(builder).finish());

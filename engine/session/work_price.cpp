@@ -85,8 +85,8 @@ double shortest_ns(const Input& input) {
 
 double measure_unit_ns() {
   double dearest_ns = 0.0;
-  for (const auto& [radius_m, is_flat] : {std::pair(0.0, false), std::pair(0.03, false),
-                                          std::pair(0.0, true)}) {
+  for (const auto& [radius_m, is_flat] :
+       {std::pair(0.0, false), std::pair(0.03, false), std::pair(0.0, true)}) {
     dearest_ns = std::max(dearest_ns, shortest_ns(input(radius_m, is_flat)));
   }
   return dearest_ns;

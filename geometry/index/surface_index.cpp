@@ -432,8 +432,8 @@ QueryWork SurfaceIndex::visit_packs_near(const Vec3& p, double radius_m, std::ui
   if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return work;
   const auto visit = [&](std::span<const std::uint32_t> packs) { return visitor(state, packs); };
   const BoxesNear near(p, radius_m);
-  visit_clusters(ordered_clusters_, cluster_boxes_, first,
-                 CountedTest<BoxesNear>{near, work.boxes}, visit);
+  visit_clusters(ordered_clusters_, cluster_boxes_, first, CountedTest<BoxesNear>{near, work.boxes},
+                 visit);
   return work;
 }
 
@@ -470,8 +470,8 @@ struct SurfaceIndex::InOrder {
   void visit(std::size_t level, std::uint32_t group) {
     limit(visitor(state, std::nullopt));
     if (is_over()) return;
-    const BoxPack& boxes = level == 0 ? index.cluster_boxes_[group]
-                                      : index.ordered_clusters_.boxes(level - 1, group);
+    const BoxPack& boxes =
+        level == 0 ? index.cluster_boxes_[group] : index.ordered_clusters_.boxes(level - 1, group);
     BoxDistances distances;
     std::uint32_t lanes = boxes_within(boxes, p_float, needed, distances);
     while (lanes != 0) {

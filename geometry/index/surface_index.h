@@ -145,8 +145,8 @@ class SurfaceIndex {
   QueryWork visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
                              NearPackVisitor visitor, void* state) const noexcept;
   // Visits the packs whose boxes are within a radius of p, nearest boxes first in each group of
-  // sixteen, in an order that does not depend on the instruction set. axes_per_radius: if given, the
-  // half extents of a box around p, per unit of the radius, outside of which no pack is needed.
+  // sixteen, in an order that does not depend on the instruction set. axes_per_radius: if given,
+  // the half extents of a box around p, per unit of the radius, outside of which no pack is needed.
   void visit_nearest_in_order(const Vec3& p, double radius, const Vec3* axes_per_radius,
                               NearestVisitor visitor, void* state) const noexcept;
 

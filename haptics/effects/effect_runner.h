@@ -127,8 +127,7 @@ class EffectRunner {
     double distance_m;
     std::uint32_t call;
     bool operator<(const Place& other) const {
-      return distance_m > other.distance_m ||
-             (distance_m == other.distance_m && call > other.call);
+      return distance_m > other.distance_m || (distance_m == other.distance_m && call > other.call);
     }
   };
 
@@ -164,7 +163,7 @@ class EffectRunner {
   WorkMeter work_;
   bool has_budget_;
   bool is_capped_ = false;
-  std::vector<Place> order_;         // one for each call of `places`
+  std::vector<Place> order_;          // one for each call of `places`
   std::vector<Vec3> place_forces_N_;  // likewise
 
   // Boxes around bodies that have effects. If there are too many bodies, the last box covers

@@ -97,8 +97,8 @@ struct MagnetEffect {
     const double farthest = to_box + kMostBoxes * (box.high - box.low).norm();
     const double range = std::min(body.length_to_body(2.0 * reach_m), farthest);
     const bool has_work = tick.work == nullptr || !tick.work->is_spent();
-    const auto nearest = has_work ? nearest_point(body, surface, proxy_body, range, s, tick)
-                                  : std::nullopt;
+    const auto nearest =
+        has_work ? nearest_point(body, surface, proxy_body, range, s, tick) : std::nullopt;
     if (!has_work) tick.is_capped = true;
     const double distance_m = nearest ? body.length_to_solver(nearest->distance) : 2.0 * reach_m;
     if (distance_m >= reach_m || distance_m == 0.0) {

@@ -33,7 +33,7 @@ struct Search {
   }
 
   void visit(std::uint32_t pack_id) {
-    work.add(Work::kSpherePack);
+    work.add(Work::kNearestPack);
     const TrianglePack& pack = index.pack(pack_id);
     double radius = radius_index();
     LaneDistances distances;

@@ -73,7 +73,8 @@ void SideSearch::begin_probe(const SurfaceIndex& index, const Vec3& p, int numbe
 }
 
 // A path is traced from the known point, as crosses_odd(last, p) does, and a probe from the point.
-SideResult count_crossings(const SurfaceIndex& index, SideSearch& search, WorkMeter& work) noexcept {
+SideResult count_crossings(const SurfaceIndex& index, SideSearch& search,
+                           WorkMeter& work) noexcept {
   const bool is_path = search.segment == SideSearch::Segment::kPath;
   const Vec3 from = vector_of(is_path ? search.other_end : search.point);
   const Vec3 to = vector_of(is_path ? search.point : search.other_end);

@@ -19,11 +19,11 @@ struct SideSearch {
 
   Segment segment = Segment::kNone;
   std::uint8_t is_undecided = 0;
-  std::uint16_t attempt = 0;      // number of the probe
-  std::uint32_t next_pack = 0;    // all packs before it have been searched
-  std::uint32_t crossings = 0;    // in these packs
-  double point[3] = {};           // the point whose side is sought
-  double other_end[3] = {};       // of the segment
+  std::uint16_t attempt = 0;    // number of the probe
+  std::uint32_t next_pack = 0;  // all packs before it have been searched
+  std::uint32_t crossings = 0;  // in these packs
+  double point[3] = {};         // the point whose side is sought
+  double other_end[3] = {};     // of the segment
 
   bool is_under_way() const { return segment != Segment::kNone; }
   void begin_path(const Vec3& from, const Vec3& to) noexcept;

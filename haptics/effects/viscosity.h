@@ -156,8 +156,9 @@ struct ViscosityEffect {
   }
 
   // Both functions begin or continue a search. It is under way afterwards if it was cut short.
-  static std::optional<bool> crosses_odd(const SurfaceIndex& index, const Vec3& from, const Vec3& to,
-                                         SideSearch& search, EffectTick& tick) noexcept {
+  static std::optional<bool> crosses_odd(const SurfaceIndex& index, const Vec3& from,
+                                         const Vec3& to, SideSearch& search,
+                                         EffectTick& tick) noexcept {
     if (tick.work == nullptr) return palpate::crosses_odd(index, from, to);
     if (!search.is_under_way()) search.begin_path(from, to);
     if (!may_search(tick)) return std::nullopt;

@@ -150,8 +150,7 @@ bool SegmentTracer::search_resting(Search& search, TraceCursor& cursor) noexcept
     is_complete = search_body(search, cursor);
     return is_complete;
   };
-  work_.add(
-      world_->visit_resting_along(search.p, d, sweep_radius_m(), cursor.body, visit));
+  work_.add(world_->visit_resting_along(search.p, d, sweep_radius_m(), cursor.body, visit));
   return is_complete;
 }
 

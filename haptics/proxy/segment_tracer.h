@@ -251,8 +251,8 @@ class SegmentTracer {
   CandidateCache cache_;
   Vec3 motion_ = Vec3::Zero();  // motion of the proxy in the last tick
   int refills_ = 0;             // refills of the cache in this tick
-  mutable WorkMeter work_;  // mutable: contacts are computed in const functions
-  WorkUnits noted_from_;  // traces are logged once a tick has done this much work
+  mutable WorkMeter work_;      // mutable: contacts are computed in const functions
+  WorkUnits noted_from_;        // traces are logged once a tick has done this much work
   bool is_cut_short_ = false;
   bool may_stop_around_ = false;  // whether a search for contacts around a point may be cut short
 

@@ -19,6 +19,8 @@ enum class Work : std::uint8_t {
   kBody,               // search of a body: transform and index query
   kPack,               // visit of a pack and its tests in single precision, for a point
   kSpherePack,         // the same for a sphere
+  kNearestPack,        // visit of a pack in a search for the nearest point of a surface, which
+                       // finds it in no order of the memory
   kTriangle,           // test of a triangle in double precision
   kNearestPoint,       // nearest point of a triangle to a point
   kSignByPairs,        // sign by pairs of doubles, after double failed
@@ -35,7 +37,7 @@ enum class Work : std::uint8_t {
   kPlane,              // solver: test of one contact plane or direction
   kStep,               // solver: a step, without the searches in it
 };
-inline constexpr std::size_t kWorkKinds = 17;
+inline constexpr std::size_t kWorkKinds = 18;
 constexpr bool is_of_solver(Work kind) {
   return kind >= Work::kContact;
 }
@@ -53,19 +55,18 @@ enum class CountingRule : std::uint8_t {
 
 // One unit takes at most 20 ns with any kind of work under the second rule, measured on the machine
 // of benchmarks/RESULTS.md (work_prices.cpp).
-inline constexpr WorkPrices kFirstPrices = {6, 10, 10, 6, 2, 4, 18, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-inline constexpr WorkPrices kSecondPrices = {12, 8, 12, 5, 6, 8,  24, 1, 2,
-                                             5,  5, 1,  12, 4, 5, 1,  30};
+inline constexpr WorkPrices kFirstPrices = {6, 10, 10, 0, 6, 2, 4, 18, 1,
+                                            0, 0,  0,  0, 0, 0, 0, 0,  0};
+inline constexpr WorkPrices kSecondPrices = {14, 10, 12, 20, 6,  6, 9, 26, 1,
+                                             3,  6,  6,  4,  14, 6, 6, 1,  36};
 
-inline WorkPrices g_prices = kSecondPrices;
-inline std::array<WorkPrices, kWorkKinds> g_hack = [] {
-  std::array<WorkPrices, kWorkKinds> h{};
-  for (std::size_t i = 0; i < kWorkKinds; ++i) h[i][i] = 1;
-  return h;
-}();
-inline const WorkPrices& prices_of(CountingRule rule) {
-  if (static_cast<std::size_t>(rule) >= 100) return g_hack[static_cast<std::size_t>(rule) - 100];
-  return rule == CountingRule::kFirst ? kFirstPrices : g_prices;
+constexpr const WorkPrices& prices_of(CountingRule rule) {
+  return rule == CountingRule::kFirst ? kFirstPrices : kSecondPrices;
+}
+
+// The price of one operation under the second rule.
+constexpr WorkUnits price_of(Work kind) {
+  return kSecondPrices[static_cast<std::size_t>(kind)];
 }
 
 // Counts the work of a tick against its budget. Safe on the haptic thread: no allocation, lock or

@@ -436,6 +436,24 @@ TEST_F(CommandLine, RefusesIntegersThatAreNotWrittenInDigits) {
   expect_run(largest);
 }
 
+TEST_F(CommandLine, MeasuresAWorkBudgetForTheRate) {
+  write_path();
+  const auto budget_at = [&](const std::string& rate) {
+    std::vector<std::string> arguments = replay({});
+    arguments.insert(arguments.end(), {"--work-budget", "auto", "--rate", rate});
+    const std::string text = expect_done(arguments).err;
+    const std::string before = "work budget: ";
+    const std::size_t at = text.find(before);
+    EXPECT_NE(at, std::string::npos) << text;
+    return at == std::string::npos ? 0LL : std::stoll(text.substr(at + before.size()));
+  };
+  EXPECT_GE(budget_at("1000"), 100);
+  EXPECT_GE(budget_at("100"), budget_at("10000")) << "ten times the time, at the least";
+  expect_refused({"compare", kStar, "--work-budget", "auto", "--plane-height", "0.01"},
+                 {"--work-budget", "is auto", "expected a number"});
+  expect_refused(replay({"--work-budget", "automatic"}), {"--work-budget", "whole number"});
+}
+
 TEST_F(CommandLine, ReadsLeadingZerosAsDecimal) {
   write_path();
   const auto trace = [&](const char* window) {

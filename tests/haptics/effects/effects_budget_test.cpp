@@ -30,16 +30,11 @@ using test::Soup;
 
 constexpr WorkUnits kEnough = WorkUnits{1} << 40;
 
-GodObjectSettings with_effects_budget(WorkUnits units,
-                                      CountingRule rule = CountingRule::kSecond) {
+GodObjectSettings with_effects_budget(WorkUnits units, CountingRule rule = CountingRule::kSecond) {
   GodObjectSettings settings;
   settings.accuracy.work_budget = (units - 1) * Accuracy::kEffectsPart;
   settings.accuracy.counting = rule;
   return settings;
-}
-
-constexpr WorkUnits price(Work kind) {
-  return kSecondPrices[static_cast<std::size_t>(kind)];
 }
 
 bool are_same(const Vec3& a, const Vec3& b) {
@@ -91,8 +86,8 @@ class Magnets {
     builder.program.bodies.resize(count);
     for (std::uint32_t b = 0; b < count; ++b) {
       builder.program.magnets.push_back({b, 0, bodies_->world().bodies[b].index});
-      builder.add_surroundings(effect_entry<MagnetEffect>(
-          {kForce_N, kRange_m, &builder.program.magnets.back()}));
+      builder.add_surroundings(
+          effect_entry<MagnetEffect>({kForce_N, kRange_m, &builder.program.magnets.back()}));
     }
     bodies_->set_effects(std::make_shared<const EffectProgram>(std::move(builder).finish()));
   }
@@ -111,8 +106,7 @@ class Magnets {
   Vec3 pull_N(std::size_t b, const Vec3& p) const {
     const TrianglePoint point = nearest(b, p);
     const double part = 1.0 - point.distance / kRange_m;
-    return -kForce_N * part * part *
-           (world().bodies[b].T_solver_body.rotation * point.direction);
+    return -kForce_N * part * part * (world().bodies[b].T_solver_body.rotation * point.direction);
   }
 
  private:
@@ -180,8 +174,7 @@ TEST(EffectsBudget, ACappedMagnetPullsTowardsItsSurfaceAndFindsNearerPoints) {
   EffectProgramBuilder builder;
   builder.program.bodies.resize(1);
   builder.program.magnets.push_back({0, 0, body.index});
-  builder.add_surroundings(
-      effect_entry<MagnetEffect>({1.0, 1.0, &builder.program.magnets.back()}));
+  builder.add_surroundings(effect_entry<MagnetEffect>({1.0, 1.0, &builder.program.magnets.back()}));
   bodies.set_effects(std::make_shared<const EffectProgram>(std::move(builder).finish()));
   double greatest_gain_m = 0.0;
   for (int place = 0; place < 50; ++place) {
@@ -224,9 +217,8 @@ TEST(EffectsBudget, ACappedMediumFindsItsSideWhenTheHandRests) {
     region.index = &index;
     region.p_region_solver.translation_m = -centres_m.back();
     builder.program.media.push_back(region);
-    builder.add_surroundings(
-        effect_entry<ViscosityEffect>({std::ldexp(1.0, static_cast<int>(i)),
-                                       &builder.program.media.back()}));
+    builder.add_surroundings(effect_entry<ViscosityEffect>(
+        {std::ldexp(1.0, static_cast<int>(i)), &builder.program.media.back()}));
   }
   bodies.set_effects(std::make_shared<const EffectProgram>(std::move(builder).finish()));
   const Vec3 velocity(1.0, 0.0, 0.0);
@@ -268,7 +260,8 @@ TEST(EffectsBudget, ACappedMediumFindsItsSideWhenTheHandRests) {
 TEST(EffectsBudget, LimitsTheWorkAndDoesNotDependOnTheInstructionSet) {
   // Beyond the budget: the distances of all places, and one pack whose triangles need exact signs.
   constexpr WorkUnits kMostBeyond =
-      16 * (price(Work::kTriangle) + 9 * price(Work::kSignByExpansions)) + price(Work::kPack) + 64;
+      16 * (price_of(Work::kTriangle) + 9 * price_of(Work::kSignByExpansions)) +
+      price_of(Work::kPack) + 64;
   Random random(7305);
   const Magnets magnets(random, 200);
   for (const WorkUnits budget : {1, 500, 5000}) {
@@ -279,7 +272,7 @@ TEST(EffectsBudget, LimitsTheWorkAndDoesNotDependOnTheInstructionSet) {
       FreeProxy proxy(magnets.world(), with_effects_budget(budget));
       for (std::size_t tick = 0; tick < 300; ++tick) {
         const Vec3 force_N = proxy.force_N(goals.in_box(1.0));
-        ASSERT_LE(proxy.work(), budget + kMostBeyond + 200 * price(Work::kPlace));
+        ASSERT_LE(proxy.work(), budget + kMostBeyond + 200 * price_of(Work::kPlace));
         if (level == SimdLevel::kAvx512) {
           widest_N.push_back(force_N);
         } else {
