@@ -38,9 +38,6 @@ enum class Work : std::uint8_t {
   kStep,               // solver: a step, without the searches in it
 };
 inline constexpr std::size_t kWorkKinds = 18;
-constexpr bool is_of_solver(Work kind) {
-  return kind >= Work::kContact;
-}
 
 // The price of each kind, in units.
 using WorkPrices = std::array<WorkUnits, kWorkKinds>;
@@ -82,7 +79,7 @@ class WorkMeter {
 
   void begin_tick() { used_ = of_solver_ = 0; }
   void add(Work kind, std::size_t count = 1) { used_ += units_of(kind, count); }
-  // For the kinds that is_of_solver() names.
+  // For the kinds of the solver.
   void add_of_solver(Work kind, std::size_t count = 1) {
     const WorkUnits units = units_of(kind, count);
     used_ += units;

@@ -12,6 +12,7 @@
 #include "geometry/index/simd.h"
 #include "haptics/effects/effect_runner.h"
 #include "haptics/effects/magnet.h"
+#include "haptics/effects/nearest_search.h"
 #include "haptics/effects/viscosity.h"
 #include "models/primitives.h"
 #include "tests/helpers/effect_programs.h"
@@ -195,6 +196,43 @@ TEST(EffectsBudget, ACappedMagnetPullsTowardsItsSurfaceAndFindsNearerPoints) {
     }
   }
   std::printf("a later tick found a point nearer by up to %.3g mm\n", 1e3 * greatest_gain_m);
+}
+
+// Against all triangles one by one; with and without a stretch.
+TEST(EffectsBudget, FindsTheNearestPointOfASurface) {
+  Random random(7307);
+  for (int scene = 0; scene < 40; ++scene) {
+    Soup soup;
+    const int count = 1 << (scene % 13);
+    for (int i = 0; i < count; ++i) {
+      const Vec3 a = random.in_box(0.5);
+      const double size = std::pow(10.0, random.uniform(-3.0, 0.0));
+      soup.add(a, a + random.in_box(size), a + random.in_box(size));
+    }
+    const SurfaceIndex index(SurfaceMesh::build(soup.positions, soup.triangles));
+    const Vec3 factors = Vec3(random.uniform(0.2, 5.0), random.uniform(0.2, 5.0), 1.0);
+    const Mat3 linear = random.rotation().toRotationMatrix() * factors.asDiagonal();
+    const Stretch stretch(linear, index.box());
+    for (int query = 0; query < 30; ++query) {
+      const Stretch* const used = query % 2 == 0 ? nullptr : &stretch;
+      const Vec3 p = random.in_box(2.0);
+      const double range = random.uniform(0.0, 4.0);
+      double least = range;
+      for (std::uint32_t slot = 0; slot < index.pack_count() * TrianglePack::kLanes; ++slot) {
+        const TriangleGeometry& t = index.triangle(slot);
+        const double distance = closest_point_on_triangle(used ? used->triangle(t) : t, p).distance;
+        least = std::min(least, distance);
+      }
+      WorkMeter work(kEnough);
+      const NearestResult found = find_nearest(index, used, p, range, std::nullopt, work);
+      ASSERT_FALSE(found.is_cut_short);
+      ASSERT_EQ(found.nearest.has_value(), least < range) << "scene " << scene;
+      if (!found.nearest) continue;
+      ASSERT_EQ(found.nearest->distance, least) << "scene " << scene << ", query " << query;
+      // Few packs are visited, not all of them.
+      if (count >= 4096) EXPECT_LT(work.used(), 40 * static_cast<WorkUnits>(index.pack_count()));
+    }
+  }
 }
 
 // Media of closed meshes, each no obstacle, on a path through them. Each search takes many ticks.
