@@ -262,7 +262,7 @@ void EffectRunner::run_places(std::span<const EffectCall> places, EffectTick& ti
     for (const EffectCall& call : places) run_place(call, tick);
     return;
   }
-  work_.add(Work::kPlace, places.size());
+  work_.add_of_solver(Work::kPlace, places.size());
   for (std::uint32_t i = 0; i < places.size(); ++i) {
     const EffectCall& call = places[i];
     order_[i] = {compiled_effects()[call.effect].distance_m(parameters_.data() + call.parameters,

@@ -29,9 +29,9 @@ struct MagneticSurface {
 // at a penetration depth of F0 / K. The direction jumps where two points of one surface are equally
 // near. The forces of several surfaces add.
 //
-// If the search is cut short, the point is the nearest of those found so far and of the last such
-// point: the magnet pulls less than it would, towards a point of its surface. If no work is left,
-// it does not pull.
+// If the search is cut short, the point is the nearest of those found so far: the magnet pulls less
+// than it would, towards a point of its surface. The next tick continues the search. If no work is
+// left, the magnet does not pull.
 struct MagnetEffect {
   static constexpr std::string_view kName = "magnet";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
@@ -47,12 +47,10 @@ struct MagnetEffect {
   struct State {
     // The last search: the proxy in the body frame, and a lower bound of the distance there.
     double searched_at[3] = {};
-    double least = -1.0;  // < 0: no search yet
-    // The triangle of the point that a search found before it was cut short.
-    std::uint32_t slot = kNoSlot;
+    double least = -1.0;   // < 0: no search yet
+    NearestCursor cursor;  // of a search that was cut short
     std::uint32_t padding = 0;
   };
-  static constexpr std::uint32_t kNoSlot = ~std::uint32_t{0};
   static constexpr ParameterKey kKeys[] = {
       {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N), ParameterKey::Role::kDeclares,
        "attraction at the surface"},
@@ -137,20 +135,15 @@ struct MagnetEffect {
                                ? closest_point(*surface.index, *body.stretch, proxy_body, range)
                                : surface.index->closest_point(proxy_body, range);
       if (!nearest) return std::nullopt;
-      return NearestPoint{nearest->point_m, nearest->distance_m, kNoSlot};
+      return NearestPoint{nearest->point_m, nearest->distance_m, NearestCursor::kNone};
     }
-    const auto known = s.slot == kNoSlot ? std::nullopt : std::optional(s.slot);
-    const NearestResult found =
-        find_nearest(*surface.index, body.stretch, proxy_body, range, known, *tick.work);
+    const Vec3 searched_at(s.searched_at[0], s.searched_at[1], s.searched_at[2]);
+    const bool has_moved = s.least < 0.0 || searched_at != proxy_body;
+    const NearestResult found = find_nearest(*surface.index, body.stretch, proxy_body, range,
+                                             has_moved, s.cursor, *tick.work);
     std::copy_n(proxy_body.data(), 3, s.searched_at);
-    if (found.is_cut_short) {
-      tick.is_capped = true;
-      s.least = 0.0;
-      if (found.nearest) s.slot = found.nearest->slot;
-    } else {
-      s.least = found.nearest ? found.nearest->distance : range;
-      s.slot = kNoSlot;
-    }
+    tick.is_capped = tick.is_capped || found.is_cut_short;
+    s.least = found.is_cut_short ? 0.0 : found.nearest ? found.nearest->distance : range;
     return found.nearest;
   }
 };

@@ -1,5 +1,8 @@
 #include "haptics/effects/nearest_search.h"
 
+#include <algorithm>
+#include <span>
+
 #include "geometry/index/pack_queries.h"
 
 namespace palpate {
@@ -12,7 +15,9 @@ struct Search {
   Vec3 p_index;
   double best;  // body frame
   WorkMeter& work;
+  NearestCursor* cursor;
   NearestResult result = {};
+  bool has_visited = false;  // a pack
 
   double radius_index() const {
     return stretch != nullptr ? stretch->reach_index(best, p_body) : best;
@@ -47,36 +52,90 @@ struct Search {
     }
   }
 
+  bool must_stop() const { return has_visited && work.is_spent(); }
+
   // A NearestVisitor.
   static double next(void* state, std::optional<std::uint32_t> pack) {
     auto& self = *static_cast<Search*>(state);
     if (pack) {
       self.visit(*pack);
+      self.has_visited = true;
     } else {
       self.work.add(Work::kBoxes);
     }
-    if (!self.work.is_spent()) return self.radius_index();
+    if (!self.must_stop()) return self.radius_index();
     self.result.is_cut_short = true;
     return -1.0;
+  }
+
+  // Nearest boxes first.
+  void run() {
+    Vec3 axes_per_radius;
+    if (stretch != nullptr) {
+      const StretchedBall ball = stretch->ball_index(best, p_body);
+      axes_per_radius = ball.by_axis_m / ball.radius_m;
+    }
+    index.visit_nearest_in_order(p_index, radius_index(),
+                                 stretch != nullptr ? &axes_per_radius : nullptr, Search::next,
+                                 this);
+  }
+
+  // A NearPackVisitor of the packs from cursor->next_pack on.
+  static bool visit_some(void* state, std::span<const std::uint32_t> packs) {
+    auto& self = *static_cast<Search*>(state);
+    return std::all_of(packs.begin(), packs.end(), [&](std::uint32_t pack) {
+      if (self.must_stop()) {
+        self.result.is_cut_short = true;
+        self.advance_to(pack);
+        return false;
+      }
+      self.visit(pack);
+      self.has_visited = true;
+      return true;
+    });
+  }
+
+  // Round and round, until no pack is left or the work is spent.
+  void go_on() {
+    while (cursor->packs_left > 0 && !must_stop()) {
+      work.add(
+          index.visit_packs_near(p_index, radius_index(), cursor->next_pack, visit_some, this));
+      if (result.is_cut_short) return;
+      advance_to(static_cast<std::uint32_t>(index.pack_count()));
+      cursor->next_pack = 0;
+    }
+    result.is_cut_short = cursor->packs_left > 0;
+  }
+  void advance_to(std::uint32_t pack) {
+    cursor->packs_left -= std::min(cursor->packs_left, pack - cursor->next_pack);
+    cursor->next_pack = pack;
   }
 };
 
 }  // namespace
 
 NearestResult find_nearest(const SurfaceIndex& index, const Stretch* stretch, const Vec3& p_body,
-                           double range, std::optional<std::uint32_t> known,
+                           double range, bool has_moved, NearestCursor& cursor,
                            WorkMeter& work) noexcept {
   Search search{index, stretch, p_body, stretch != nullptr ? stretch->to_index(p_body) : p_body,
-                range, work};
-  if (known) search.consider(*known);
-  Vec3 axes_per_radius;
-  if (stretch != nullptr) {
-    const StretchedBall ball = stretch->ball_index(range, p_body);
-    axes_per_radius = ball.by_axis_m / ball.radius_m;
+                range, work,    &cursor};
+  const auto all = static_cast<std::uint32_t>(index.pack_count());
+  if (cursor.slot == NearestCursor::kNone && cursor.packs_left == 0) {
+    search.run();
+    if (!search.result.is_cut_short) return search.result;
+    cursor = {NearestCursor::kNone, 0, all};
+  } else {
+    if (has_moved) cursor.packs_left = all;
+    const bool is_whole = cursor.packs_left == all;
+    if (cursor.slot != NearestCursor::kNone) search.consider(cursor.slot);
+    search.go_on();
+    // The search of one tick sufficed, so the next one is a usual one.
+    if (!search.result.is_cut_short && is_whole && all > 0) {
+      cursor = {};
+      return search.result;
+    }
   }
-  index.visit_nearest_in_order(search.p_index, search.radius_index(),
-                               stretch != nullptr ? &axes_per_radius : nullptr, Search::next,
-                               &search);
+  if (search.result.nearest) cursor.slot = search.result.nearest->slot;
   return search.result;
 }
 

@@ -22,12 +22,25 @@ struct NearestResult {
   bool is_cut_short = false;  // the work is spent: `nearest` is the nearest point found so far
 };
 
-// The nearest point within `range` of p_body. stretch: of the body, or null. known: a triangle of
-// the surface that may be near, with which the search begins. If several triangles are equally
-// near, the first one found is returned. The result does not depend on the instruction set. Safe on
-// the haptic thread: no allocation, lock or exception.
+// What a search that was cut short leaves for the next one, which may be for another point. Plain
+// numbers, because it is a part of an effect's state.
+struct NearestCursor {
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  std::uint32_t slot = kNone;    // of the triangle found, or none
+  std::uint32_t next_pack = 0;   // the packs continue here
+  std::uint32_t packs_left = 0;  // to be searched until the result is the nearest point
+};
+
+// The nearest point within `range` of p_body. stretch: of the body, or null. A search visits near
+// packs first. After a search that was cut short, packs are visited in the order of their numbers,
+// round and round, beginning where the last search ended; the triangle found before is considered
+// first. If the point stays the same (has_moved is false), the search ends after one round. At
+// least one pack is visited. If several triangles are equally near, the first one found is
+// returned. The result does not depend on the instruction set. Safe on the haptic thread: no
+// allocation, lock or exception.
 NearestResult find_nearest(const SurfaceIndex& index, const Stretch* stretch, const Vec3& p_body,
-                           double range, std::optional<std::uint32_t> known,
+                           double range, bool has_moved, NearestCursor& cursor,
                            WorkMeter& work) noexcept;
 
 }  // namespace palpate
