@@ -43,7 +43,7 @@ struct Accuracy {
 
   // The budget of the effects of a tick, which is separate from that of the proxy.
   WorkUnits effects_budget() const { return work_budget / kEffectsPart + 1; }
-  static constexpr WorkUnits kEffectsPart = 4;
+  static constexpr WorkUnits kEffectsPart = 8;
 
   // Limit of `iterations`. The path of a tick is allocated in advance: 28 MB at this limit.
   static constexpr int kMostIterations = 1 << 16;
