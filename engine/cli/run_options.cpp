@@ -28,7 +28,7 @@ void add_work_budget(CLI::App& app, RunSettings& settings) {
   };
   app.add_option_function<std::string>(
          "--work-budget", read,
-         "largest work of a tick, in units of at most 20 ns; auto: measured at the start, so that "
+         "largest work of a tick, in units of at most 23 ns; auto: measured at the start, so that "
          "the proxy and the effects take at most half of a tick of --rate [5000, 20000 or 160000 "
          "for --accuracy fast, balanced or exact]")
       ->type_name("INTEGER|auto")

@@ -50,7 +50,7 @@ enum class CountingRule : std::uint8_t {
   kSecond = 2
 };
 
-// One unit takes at most 20 ns with any kind of work under the second rule, measured on the machine
+// One unit takes at most 23 ns with any kind of work under the second rule, measured on the machine
 // of benchmarks/RESULTS.md (work_prices.cpp).
 inline constexpr WorkPrices kFirstPrices = {6, 10, 10, 0, 6, 2, 4, 18, 1,
                                             0, 0,  0,  0, 0, 0, 0, 0,  0};
