@@ -131,6 +131,26 @@ def check_rows(copy):
     expect("256" not in copy.block("ticks").splitlines()[0], "256 nodes are no size of the sphere")
 
 
+def check_work(copy):
+    path = next((copy.root / "benchmarks/results/work").glob("*.csv"))
+    committed = path.read_text()
+    lines = committed.splitlines(keepends=True)
+    cells = lines[2].split(",")
+
+    def put(column, value):
+        path.write_text("".join(lines[:2] + [",".join(
+            value if i == column else cell for i, cell in enumerate(cells))] + lines[3:]))
+
+    put(4, "501.0")
+    expect_refused(copy, "a tick of more than half a millisecond is refused", "at most 500")
+    put(6, "99.5\n")
+    expect_refused(copy, "a file that states another price is named", "work.h")
+    path.write_text(committed.replace("unit_ns", "other"))
+    expect_refused(copy, "a broken result of work_prices is named", path.name)
+    path.write_text(committed)
+    expect(copy.run()[0] == 0, "the committed prices are accepted")
+
+
 def check_markers(copy):
     for document in (copy.readme, copy.tables):
         text = document.read_text()
@@ -280,6 +300,7 @@ def main():
         check_pictures(copy)
         check_experiment(copy)
         check_contours(copy)
+        check_work(copy)
         check_comparison(copy)
         check_two_machines(copy)
     print("the documents follow their results")
