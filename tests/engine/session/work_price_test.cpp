@@ -16,8 +16,7 @@ TEST(WorkPrice, TheBudgetIsHalfOfATickForTheProxyAndTheEffects) {
       const MeasuredBudget budget = work_budget_for(dt_s, unit_ns);
       Accuracy accuracy;
       accuracy.work_budget = budget.units;
-      const double all_ns =
-          unit_ns * static_cast<double>(budget.units + accuracy.effects_budget());
+      const double all_ns = unit_ns * static_cast<double>(budget.units + accuracy.effects_budget());
       if (budget.units > 100) {
         EXPECT_LE(all_ns, 0.5e9 * dt_s + unit_ns) << dt_s << " s, " << unit_ns << " ns";
         EXPECT_GE(all_ns, 0.5e9 * dt_s * 0.9) << dt_s << " s, " << unit_ns << " ns: two digits";
