@@ -96,6 +96,10 @@ SCAN_SIZES = ["100k", "500k", "1.6M", "6M"]
 WORST = [
     ("through_one_point", "all triangles share one point"),
     ("through_one_point_sphere", "all triangles share one point, sphere proxy of 1 mm"),
+    ("through_one_point_large_sphere", "all triangles share one point, sphere proxy of 30 mm"),
+    ("instances_at_one_point", "instances that share one point"),
+    ("instances_at_one_point_sphere", "instances that share one point, sphere proxy of 1 mm"),
+    ("stretched_instances_at_one_point", "stretched instances that share one point"),
     ("stack_in_one_mesh", "coincident sheets in one mesh"),
     ("stack_of_bodies", "coincident nodes"),
     ("dense_soup", "dense soup of intersecting triangles"),
@@ -109,9 +113,9 @@ WORST = [
     ("jumps_across", "jumps across a sphere"),
     ("jumps_across_sphere", "jumps across a sphere, sphere proxy of 1 mm"),
 ]
-COUNTED_IN_NODES = {"stack_of_bodies", "moving_bodies"}
-WORST_KINDS = [("", "warm caches, us"), ("_evicted", "L1 and L2 evicted, us"),
-               ("_magnets", "magnets alone, us"), ("_media", "media alone, us")]
+COUNTED_IN_NODES = {"stack_of_bodies", "moving_bodies", "instances_at_one_point",
+                    "instances_at_one_point_sphere", "stretched_instances_at_one_point"}
+WORST_KINDS = [("", "warm caches, us"), ("_evicted", "L1 and L2 evicted, us")]
 
 SIDE_TESTS = [("side_test_float128", "113-bit floating point in software"),
               ("side_test_adaptive", "expansions of doubles (used)"),

@@ -7,7 +7,7 @@
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../setup.sh"
 install_missing_packages
-build_preset release palpate palpate_benchmarks write_contour_angles
+build_preset release palpate palpate_benchmarks write_contour_angles work_prices
 
 cpu_field() { sed -n "s/^$1[[:space:]]*: //p" /proc/cpuinfo | head -n 1; }
 
@@ -36,6 +36,8 @@ if grep -q '"error_occurred": true' "$fresh"; then
   say "a benchmark failed, so no result was kept; its message is above"
   exit 1
 fi
+mkdir -p "$palpate_root/benchmarks/results/work"
+./work_prices --csv="$palpate_root/benchmarks/results/work/$slug.csv" --cpu="$cpu"
 # The host's name does not affect a time and is private.
 mkdir -p "${result%/*}"
 grep -v '"host_name":' "$fresh" >"$result"

@@ -26,6 +26,7 @@ import result_tables as tables  # noqa: E402
 import session_results  # noqa: E402
 import soak_results  # noqa: E402
 import sweep_figure  # noqa: E402
+import work_results  # noqa: E402
 from result_tables import BadInput  # noqa: E402
 
 README = pathlib.PurePath("README.md")
@@ -67,10 +68,9 @@ def a4_block(objects):
                             "energy returned by the device"], rows)
 
 
-def headline_block(machine):
+def headline_block(machine, work):
     tick = [machine.counter("tick_sliding", key) for key in ("p50_ns", "p99_ns")]
     ratios = [machine.counter("closest_point", key) for key in ("vs_stock_p50", "vs_cgal_p50")]
-    slowest_ns = slowest(machine.runs)
     lines = []
     if None not in tick:
         lines.append("- A tick of a point proxy that slides over "
@@ -81,18 +81,11 @@ def headline_block(machine):
                      f"{ratios[0]:.2f} times as long as the same query with Embree's built-in "
                      f"triangles, which are in float, and {ratios[1]:.2f} times as long as with "
                      "CGAL's tree.")
-    if slowest_ns:
-        lines.append(f"- The longest proxy update on inputs built to be slow took "
-                     f"{slowest_ns / 1e6:.2f} ms, {100 * slowest_ns / TICK_NS:.0f} % of a tick at "
-                     "1 kHz. The searches of magnets and media have no bound and can take longer.")
+    slowest_ns = 1e3 * max(work_results.longest_us(rows) for rows in work.values())
+    lines.append(f"- The longest update of the proxy and of magnets and media, on inputs built to be "
+                 f"slow, took {slowest_ns / 1e6:.2f} ms, {100 * slowest_ns / TICK_NS:.0f} % of a tick "
+                 f"at 1 kHz ({', '.join(work)}).")
     return "\n".join(lines) + "\n\n" + machine_line(machine)
-
-
-def slowest(runs):
-    """The longest time over the slow inputs, without effects that search; 0 if not measured."""
-    return max((run["max_ns"] for (name, _), run in runs.items()
-                if name.startswith("worst_") and not name.endswith(("_magnets", "_media"))),
-               default=0.0)
 
 
 def machine_line(machine):
@@ -156,9 +149,10 @@ def blocks_of(root, machines):
     view = session_results.read_view(root / "benchmarks/results/view/times.csv")
     frames = session_results.read_frames(root / "benchmarks/results/view/frames.json")
     recording = session_results.read_recording(root / "benchmarks/results/recording")
+    work = work_results.read(root / "benchmarks/results/work")
     newest = max(machines, key=lambda machine: machine.context["date"])
     return {
-        README: {"a4": a4_block(objects), "headline": headline_block(newest),
+        README: {"a4": a4_block(objects), "headline": headline_block(newest, work),
                  "compare": compare_results.block(comparison),
                  "experiment": joined(experiment_results.block(experiment),
                                       contour_results.sentence(contours))},
@@ -167,6 +161,7 @@ def blocks_of(root, machines):
                   "view": session_results.view_block(view),
                   "frames": session_results.frames_block(frames),
                   "recording": session_results.recording_block(recording),
+                  "work": work_results.block(work),
                   "sweep": sweep_figure.block(root / "benchmarks/results/sweep"),
                   **machine_blocks(machines, root)},
     }
@@ -252,6 +247,7 @@ def run(root, check):
     documents = {root / name: with_blocks(read(root / name), blocks, root / name)
                  for name, blocks in blocks_of(root, machines).items()}
     figures = figures_of(root)
+    work_results.check(root, work_results.read(results / "work"))
     for machine in machines:
         update_accuracy_figure(machine, check)
     for path, content in {**figures, **documents}.items():

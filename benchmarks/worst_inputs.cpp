@@ -167,6 +167,41 @@ WorstInput stack_of_bodies(std::size_t count) {
   return input;
 }
 
+// Instances of one cube that all have a corner at the origin and extend below it, turned at random.
+// stretch: the bodies are stretched, each by its own factors.
+WorstInput instances_at_one_point(std::size_t count, double radius_m, bool is_stretched) {
+  SeededRandom random(8);
+  WorstInput input;
+  input.name = is_stretched ? "stretched_instances_at_one_point" : "instances_at_one_point";
+  input.proxy_radius_m = radius_m;
+  const Vec3 corner_m = Vec3::Constant(0.05 * kSize_m);
+  const TriangleMesh cube = box(corner_m);
+  input.indices.push_back(index_of({cube.positions_m, cube.triangles}, kSize_m, radius_m));
+  input.stretches = std::make_shared<std::vector<Stretch>>();
+  input.stretches->reserve(count);
+  const SurfaceIndex* index = input.indices.front().get();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 upward = (random.unit_vector() + 1.2 * Vec3::UnitZ()).normalized();
+    const Quat rotation =
+        Quat::FromTwoVectors(corner_m, upward) *
+        Quat(Eigen::AngleAxisd(random.uniform(0.0, kTwoPi), corner_m.normalized()));
+    Vec3 top_m = corner_m;
+    if (is_stretched) {
+      const Vec3 factors(random.uniform(0.5, 2.0), random.uniform(0.5, 2.0),
+                         random.uniform(0.5, 2.0));
+      input.stretches->emplace_back(factors.asDiagonal(), index->box());
+      top_m = factors.cwiseProduct(corner_m);
+    }
+    input.world.bodies.push_back({index, {}, true});
+    if (is_stretched) input.world.bodies.back().stretch = &input.stretches->back();
+    input.world.bodies.back().place({rotation, -(rotation * top_m)});
+  }
+  input.world.stretches = input.stretches;
+  complete(input);
+  visit(input, {{0.0, 0.0, 0.1 * kSize_m}, {0.0, 0.0, -0.02 * kSize_m}, 1e-4, 0.02 * kSize_m});
+  return input;
+}
+
 // Large random triangles: each intersects hundreds of others.
 WorstInput dense_soup(std::size_t count, double radius_m) {
   SeededRandom random(4);
@@ -276,6 +311,7 @@ WorstInput named(std::string suffix, WorstInput input) {
 }
 
 constexpr double kSmallSphere_m = 1e-3;
+constexpr double kLargeSphere_m = 0.03;
 
 }  // namespace
 
@@ -286,6 +322,18 @@ const std::vector<WorstKind>& worst_kinds() {
        [](std::size_t n) { return all_through_one_point(n, 0.0); }},
       {"through_one_point_sphere", 150'000, 5'000, kVisit,
        [](std::size_t n) { return named("_sphere", all_through_one_point(n, kSmallSphere_m)); }},
+      {"through_one_point_large_sphere", 50'000, 5'000, kVisit,
+       [](std::size_t n) {
+         return named("_large_sphere", all_through_one_point(n, kLargeSphere_m));
+       }},
+      {"instances_at_one_point", 10'000, 300, kVisit,
+       [](std::size_t n) { return instances_at_one_point(n, 0.0, false); }},
+      {"instances_at_one_point_sphere", 10'000, 300, kVisit,
+       [](std::size_t n) {
+         return named("_sphere", instances_at_one_point(n, kSmallSphere_m, false));
+       }},
+      {"stretched_instances_at_one_point", 3'000, 100, kVisit,
+       [](std::size_t n) { return instances_at_one_point(n, 0.0, true); }},
       {"stack_in_one_mesh", 20'000, 4'000, kVisit, stack_in_one_mesh},
       {"stack_of_bodies", 1'000, 100, kVisit, stack_of_bodies},
       {"dense_soup", 200'000, 10'000, kVisit, [](std::size_t n) { return dense_soup(n, 0.0); }},

@@ -21,6 +21,7 @@ struct WorstInput {
   std::string name;
   double proxy_radius_m = 0.0;
   std::vector<std::unique_ptr<SurfaceIndex>> indices;
+  std::shared_ptr<std::vector<Stretch>> stretches;  // of the bodies, if they are stretched
   ContactWorld world;
   std::vector<Vec3> goals_m;  // one per tick; the first is the proxy's initial position
   Vec3 away_m;                // a goal that is freely reachable from the last goal

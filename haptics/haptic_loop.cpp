@@ -32,8 +32,8 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
   step_ = &HapticLoop::step<kNeedsNothing>;
   step_without_effects_ = &HapticLoop::run_actions<kNeedsNothing>;
   if (world.effects && (world.effects->needs & kStepNeeds) != 0) {
-    effects_ = std::make_unique<EffectRunner>(world, settings.god_object.radius_m,
-                                              settings.coupling, settings.measures_effects);
+    effects_ = std::make_unique<EffectRunner>(world, settings.god_object, settings.coupling,
+                                              settings.measures_effects);
     step_ = step_with_effects(world.effects->needs);
   }
   if (settings.strategy && !has_bad_settings_) use_strategy();

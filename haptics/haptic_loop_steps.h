@@ -124,6 +124,7 @@ void HapticLoop::render_force(double dt_s) {
   if constexpr ((kNeeds & kNeedsSurroundings) != 0) {
     force_N += effects_->surroundings_force_N(god_object_.world(), proxy_state_,
                                               view(record_.normal_scene), motion_);
+    if (effects_->is_capped()) record_.faults |= kFaultEffectsCapped;
   }
   if constexpr ((kNeeds & kEffectNeeds) != kNeedsNothing) record_.effects = effects_->end_tick();
   if constexpr ((kNeeds & kInAnisotropicNorm) != 0) return command_in_norm(force_N);

@@ -45,11 +45,11 @@ void HapticLoop::step_anticipating(double dt_s) {
 }
 
 void HapticLoop::anticipate(double dt_s) {
-  const WorkUnits budget = settings_.god_object.accuracy.work_budget;
+  const Accuracy& accuracy = settings_.god_object.accuracy;
   const AxisAngle turn = strategy_->anticipation->update(
       {god_object_.world(), actuation_, world_->to_solver(view(record_.goal_scene_m)),
        R_device_scene_, strategy_->window.velocity_m_per_s(), god_object_.radius_m(), dt_s,
-       budget - proxy_state_.work});
+       accuracy.work_budget - proxy_state_.work, accuracy.counting});
   if (turn.angle_rad == 0.0) return;
   record_.rotation_rad = turn.angle_rad;
   place_scene(

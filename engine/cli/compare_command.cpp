@@ -51,6 +51,10 @@ Result<RunSettings> device_settings(const RunOptions& options) {
     return invalid_argument("--sensors", "is " + std::to_string(settings.sensors) + "; expected 2",
                             "the hands follow a contour in the plane of two sensors");
   }
+  if (settings.measures_work_budget) {
+    return invalid_argument("--work-budget", "is auto; expected a number",
+                            "the trials are the same on every machine only with a given number");
+  }
   auto axes = parse_axes(options.actuated_axes);
   if (!axes) return axes.error();
   settings.actuated_axes = std::move(*axes);

@@ -1,6 +1,8 @@
 #include "engine/cli/run_options.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iostream>
 #include <sstream>
 
 #include "engine/cli/command_help.h"
@@ -14,6 +16,24 @@ namespace {
 constexpr std::uint64_t kMostWorkBudget = 1'000'000'000'000;
 
 }  // namespace
+
+void add_work_budget(CLI::App& app, RunSettings& settings) {
+  const auto read = [&settings](const std::string& text) {
+    settings.measures_work_budget = text == "auto";
+    settings.work_budget.reset();
+    if (settings.measures_work_budget) return;
+    const auto units = parse_integer("--work-budget", text, {1, kMostWorkBudget});
+    if (!units) throw CLI::ValidationError("--work-budget", units.error().problem);
+    settings.work_budget = static_cast<std::int64_t>(*units);
+  };
+  app.add_option_function<std::string>(
+         "--work-budget", read,
+         "largest work of a tick, in units of at most 23 ns; auto: measured at the start, so that "
+         "the proxy and the effects take at most half of a tick of --rate [5000, 20000 or 160000 "
+         "for --accuracy fast, balanced or exact]")
+      ->type_name("INTEGER|auto")
+      ->group(kTouchGroup);
+}
 
 void add_place(CLI::App& app, RunOptions& options) {
   app.add_option("--place", options.place,
@@ -102,11 +122,7 @@ void add_touch(CLI::App& app, RunSettings& settings) {
        {"exact", Accuracy::exact()}},
       "balanced", "accuracy of the proxy: fast (few steps, no certificate), balanced, or exact")
       ->group(kTouchGroup);
-  add_integer(
-      app, "--work-budget", settings.work_budget, {1, kMostWorkBudget},
-      "largest work of a tick, in units of 10 to 20 ns [5000, 20000 or 160000 for --accuracy fast, "
-      "balanced or exact]")
-      ->group(kTouchGroup);
+  add_work_budget(app, settings);
   add_choice<VelocityMethod>(
       app, "--velocity-estimator", settings.velocity_estimator,
       {{"difference", VelocityMethod::kDifference},
@@ -165,7 +181,13 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   auto moves = parse_moves(options.moves);
   if (!moves) return moves.error();
   settings.moves = std::move(*moves);
-  return make_setup(settings);
+  auto setup = make_setup(settings);
+  if (setup && setup->measured_budget) {
+    std::cerr << "palpate: work budget: " << setup->measured_budget->units
+              << " units a tick; a unit took " << std::lround(setup->measured_budget->unit_ns)
+              << " ns\n";
+  }
+  return setup;
 }
 
 }  // namespace palpate

@@ -67,7 +67,8 @@ constexpr std::array<std::string_view, kFaultCount> kFaultMeanings = {
     "ticks whose position was too far from the scene",
     "ticks that were refused because of their settings",
     "ticks whose sample the device marked as invalid",
-    "ticks in which new motor axes were ignored"};
+    "ticks in which new motor axes were ignored",
+    "ticks in which magnets and media reached their limit of work"};
 
 std::array<TrialMeasure, kMeasureCount> make_measures() {
   std::array<TrialMeasure, kMeasureCount> all{};

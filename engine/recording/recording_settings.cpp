@@ -240,6 +240,22 @@ void check_recorded_align(MetaReader& reader, const RecordedSetup& setup) {
   if (error) reader.fail(kAlignKey, error->problem);
 }
 
+// Recordings of before the rule had a number do not have the key.
+constexpr const char* kCountingKey = "proxy.counting";
+
+void write_counting(const Accuracy& accuracy, MetaWriter& writer) {
+  writer(kCountingKey, static_cast<std::int64_t>(accuracy.counting));
+}
+
+// A rule that this build does not know is refused by its number.
+void read_counting(MetaReader& reader, Accuracy& accuracy) {
+  accuracy.counting = CountingRule::kFirst;
+  if (!reader.has(kCountingKey)) return;
+  const auto rule = reader.integer(kCountingKey, static_cast<std::int64_t>(CountingRule::kFirst),
+                                   static_cast<std::int64_t>(CountingRule::kSecond));
+  if (rule) accuracy.counting = static_cast<CountingRule>(*rule);
+}
+
 void write_strategy(HapticSettings& settings, MetaWriter& writer) {
   if (!settings.strategy) return;
   writer(kStrategyKey, name_of(*settings.strategy));
@@ -389,6 +405,7 @@ Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup) {
   meta["effects"] = effects_text();
   RecordedSetup copy = setup;
   visit_setup(copy, writer);
+  write_counting(copy.haptics.god_object.accuracy, writer);
   write_align(copy.haptics, writer);
   write_strategy(copy.haptics, writer);
   std::error_code failed;
@@ -424,6 +441,7 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
   check_table("columns", recorded_columns_json(), reader);
   check_table("effects", effects_text(), reader);
   visit_setup(session.setup, reader);
+  read_counting(reader, session.setup.haptics.god_object.accuracy);
   read_align(reader, session.setup.haptics);
   read_strategy(reader, session.setup.haptics);
   reader("scene.place", session.scene_place);

@@ -131,6 +131,13 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
     return invalid_argument("work_budget", "is " + std::to_string(*settings.work_budget) +
                                                "; expected at least 1 unit of work");
   }
+  if (settings.work_budget && settings.measures_work_budget) {
+    return invalid_argument("work_budget",
+                            "is " + std::to_string(*settings.work_budget) +
+                                " together with `RunSettings::measures_work_budget`; expected one "
+                                "of them",
+                            "leave one of the two out");
+  }
   const auto velocity = make_velocity(settings);
   if (!velocity) return velocity.error();
   RunSetup setup{*actuation,
@@ -142,6 +149,10 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   setup.haptics.god_object.radius_m = settings.radius_m;
   setup.haptics.god_object.accuracy = settings.accuracy;
   if (settings.work_budget) setup.haptics.god_object.accuracy.work_budget = *settings.work_budget;
+  if (settings.measures_work_budget) {
+    setup.measured_budget = measured_work_budget(setup.dt_s);
+    setup.haptics.god_object.accuracy.work_budget = setup.measured_budget->units;
+  }
   setup.haptics.coupling = {settings.stiffness_N_per_m, settings.damping_Ns_per_m, *velocity};
   setup.haptics.force = settings.force;
   setup.haptics.a4.enabled = settings.a4;

@@ -10,6 +10,7 @@
 #include "engine/devices/light_device.h"
 #include "engine/scene/scene.h"
 #include "engine/session/node_motions.h"
+#include "engine/session/work_price.h"
 #include "geometry/base/result.h"
 #include "haptics/a4/actuation.h"
 #include "haptics/haptic_loop.h"
@@ -36,6 +37,9 @@ struct RunSettings {
   Accuracy accuracy;
   // See haptics/proxy/work.h. No value: the work budget of `accuracy`.
   std::optional<std::int64_t> work_budget = {};
+  // If true, make_setup() chooses the work budget for this machine and this rate (work_price.h);
+  // work_budget must then have no value.
+  bool measures_work_budget = false;
   double rate_Hz = 1000.0;
   double stiffness_N_per_m = CouplingSettings{}.stiffness_N_per_m;
   double damping_Ns_per_m = CouplingSettings{}.damping_Ns_per_m;
@@ -60,6 +64,7 @@ struct RunSetup {
   std::vector<SteadyMotion> moves;
   std::optional<double> max_force_N = {};     // see SessionParts
   DeviceDescription device = light_device();  // held by the simulated hand
+  std::optional<MeasuredBudget> measured_budget = {};
 };
 
 // Checks that all settings are finite and within their ranges, and creates the setup. An error

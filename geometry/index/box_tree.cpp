@@ -43,25 +43,31 @@ void visit_box(const RTCIntersectFunctionNArguments* args) {
 // Visits the boxes that pass the test, from number `first` on: the found boxes, or boxes of the
 // whole tree if too many were found.
 template <typename Test>
-void visit_in_order(FoundBoxes& found, std::span<const BoxPack> groups, const OrderedBoxes& ordered,
-                    std::uint32_t first, const Test& test, BoxTree::Visitor visitor, void* state) {
+QueryWork visit_in_order(FoundBoxes& found, std::span<const BoxPack> groups,
+                         const OrderedBoxes& ordered, std::uint32_t first, const Test& test,
+                         BoxTree::Visitor visitor, void* state) {
+  QueryWork work;
   if (!found.are_too_many) {
+    work.sorted = found.count;
     const auto numbers = std::span(found.numbers).first(found.count);
     std::sort(numbers.begin(), numbers.end());
     for (const std::uint32_t number : numbers) {
       const bool passes = test(groups[number / kBoxLanes]) >> (number % kBoxLanes) & 1u;
-      if (number >= first && passes && !visitor(state, number)) return;
+      if (number >= first && passes && !visitor(state, number)) return work;
     }
-    return;
+    return work;
   }
-  for (auto group = ordered.next(first / kBoxLanes, test); group;
-       group = ordered.next(*group + 1, test)) {
-    for (std::uint32_t lanes = test(groups[*group]); lanes != 0;) {
+  work.listed = found.count;
+  const CountedTest<Test> counted{test, work.boxes};
+  for (auto group = ordered.next(first / kBoxLanes, counted); group;
+       group = ordered.next(*group + 1, counted)) {
+    for (std::uint32_t lanes = counted(groups[*group]); lanes != 0;) {
       const std::uint32_t number =
           *group * kBoxLanes + static_cast<std::uint32_t>(take_lane(lanes));
-      if (number >= first && !visitor(state, number)) return;
+      if (number >= first && !visitor(state, number)) return work;
     }
   }
+  return work;
 }
 
 Box around(const std::vector<Box>& boxes) {
@@ -119,9 +125,9 @@ std::size_t BoxTree::memory_bytes() const {
          boxes_->memory_bytes();
 }
 
-void BoxTree::visit_near(const Vec3& p, double radius_m, NearSearch search, Visitor visitor,
-                         void* state) const noexcept {
-  if (bounds_.squared_distance(p) > radius_m * radius_m) return;
+QueryWork BoxTree::visit_near(const Vec3& p, double radius_m, NearSearch search, Visitor visitor,
+                              void* state) const noexcept {
+  if (bounds_.squared_distance(p) > radius_m * radius_m) return {};
   const BoxesNear near(p, radius_m);
   FoundBoxes found;
   found.are_too_many = search == NearSearch::kInOrder;
@@ -130,18 +136,18 @@ void BoxTree::visit_near(const Vec3& p, double radius_m, NearSearch search, Visi
     boxes_->query_point(near.p, near.radius,
                         [&](std::uint32_t box) { return found.add(box) ? near.radius : 0.0f; });
   }
-  visit_in_order(found, groups_, ordered_groups_, 0, near, visitor, state);
+  return visit_in_order(found, groups_, ordered_groups_, 0, near, visitor, state);
 }
 
-void BoxTree::visit_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
-                          Visitor visitor, void* state) const noexcept {
+QueryWork BoxTree::visit_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
+                               Visitor visitor, void* state) const noexcept {
   assert(radius_m <= sweep_radius_m_);
   FoundBoxes found;
   AlongQuery query{{}, &found};
-  if (!query.segment.begin(bounds_, p, d)) return;
+  if (!query.segment.begin(bounds_, p, d)) return {};
   boxes_->query_segment(query.segment);
   const BoxesAlong along{query.segment, round_up(radius_m)};
-  visit_in_order(found, groups_, ordered_groups_, first, along, visitor, state);
+  return visit_in_order(found, groups_, ordered_groups_, first, along, visitor, state);
 }
 
 }  // namespace palpate

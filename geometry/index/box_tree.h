@@ -33,13 +33,15 @@ class BoxTree {
 
   // Receives the index of a box; returns whether the search should continue. Must not throw.
   using Visitor = bool (*)(void* state, std::uint32_t box);
-  // Visits the boxes within radius_m of p, in ascending order.
-  void visit_near(const Vec3& p, double radius_m, NearSearch search, Visitor visitor,
-                  void* state) const noexcept;
+  // Visits the boxes within radius_m of p, in ascending order. Returns the work beside that of the
+  // visitor.
+  QueryWork visit_near(const Vec3& p, double radius_m, NearSearch search, Visitor visitor,
+                       void* state) const noexcept;
   // Visits the boxes within radius_m <= sweep_radius_m of the segment p to p + d, in ascending
-  // order, starting at index `first`. A segment of zero length visits no box.
-  void visit_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
-                   Visitor visitor, void* state) const noexcept;
+  // order, starting at index `first`. A segment of zero length visits no box. Returns the work
+  // beside that of the visitor.
+  QueryWork visit_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
+                        Visitor visitor, void* state) const noexcept;
 
   double sweep_radius_m() const { return sweep_radius_m_; }
 

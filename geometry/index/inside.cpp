@@ -24,20 +24,13 @@ struct Crossings {
   std::size_t count = 0;
   bool undecided = false;
 
-  // Whether the segment, which meets the triangle, crosses its interior and does not end in its
-  // plane.
-  bool is_proper(const TriangleGeometry& t) const {
-    return orientation(t.a, t.b, t.c, q) != 0 && orientation(p, q, t.a, t.b) != 0 &&
-           orientation(p, q, t.b, t.c) != 0 && orientation(p, q, t.c, t.a) != 0;
-  }
-
   void consider(std::uint32_t slot) {
-    const TriangleGeometry& t = index->triangle(slot);
-    const SegmentCrossing::Kind kind = cross_segment(t, p, q).kind;
-    if (kind == SegmentCrossing::Kind::kMiss) return;
+    SignWork signs;
+    const Crossing crossing = crossing_of(index->triangle(slot), p, q, signs);
+    if (crossing == Crossing::kNone) return;
     const auto end = slots.begin() + static_cast<std::ptrdiff_t>(count);
     if (std::find(slots.begin(), end, slot) != end) return;
-    if (kind != SegmentCrossing::Kind::kThrough || !is_proper(t) || count == slots.size()) {
+    if (crossing == Crossing::kUndecided || count == slots.size()) {
       undecided = true;
     } else {
       slots[count++] = slot;
@@ -67,6 +60,20 @@ double slant(int attempt, double step) {
 }
 
 }  // namespace
+
+Crossing crossing_of(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
+                     SignWork& signs) noexcept {
+  const SegmentCrossing crossing = cross_segment(t, p, q);
+  signs = crossing.signs;
+  if (crossing.kind == SegmentCrossing::Kind::kMiss) return Crossing::kNone;
+  if (crossing.kind != SegmentCrossing::Kind::kThrough) return Crossing::kUndecided;
+  const auto is_beside = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    return orientation(a, b, c, d, signs) != 0;
+  };
+  const bool is_proper = is_beside(t.a, t.b, t.c, q) && is_beside(p, q, t.a, t.b) &&
+                         is_beside(p, q, t.b, t.c) && is_beside(p, q, t.c, t.a);
+  return is_proper ? Crossing::kProper : Crossing::kUndecided;
+}
 
 bool is_closed(const SurfaceMesh& mesh) {
   if (mesh.report().boundary_edges > 0) return false;

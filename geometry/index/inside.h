@@ -6,9 +6,11 @@
 // times. By this parity rule, a cavity is outside. A region that two nested or overlapping parts
 // both enclose is outside, too. The orientation of faces has no effect.
 
+#include <cstdint>
 #include <optional>
 
 #include "geometry/base/box.h"
+#include "geometry/exact/orientation.h"
 #include "geometry/index/surface_index.h"
 #include "geometry/mesh/surface_mesh.h"
 
@@ -40,6 +42,16 @@ std::optional<bool> is_inside(const SurfaceIndex& index, const Vec3& p) noexcept
 // begins or ends on the surface, lies in a face or crosses more than kMostCrossings triangles. If p
 // == q, there is no crossing. Requirements, exactness and thread safety are those of is_inside().
 std::optional<bool> crosses_odd(const SurfaceIndex& index, const Vec3& p, const Vec3& q) noexcept;
+
+// How a segment crosses a triangle, for counts of crossings.
+enum class Crossing : std::uint8_t {
+  kNone,
+  kProper,    // through the interior, and the segment does not end in the triangle's plane
+  kUndecided  // it touches an edge or vertex, lies in the plane or ends in it
+};
+// Adds the signs that double arithmetic could not decide to `signs`.
+Crossing crossing_of(const TriangleGeometry& t, const Vec3& p, const Vec3& q,
+                     SignWork& signs) noexcept;
 
 // In try `attempt` (0, 1, ...), is_inside() uses a segment from p to a point outside the box. This
 // function returns that point, the end of the segment. Requires p inside the box. The tries cycle

@@ -19,6 +19,24 @@ inline constexpr std::uint32_t kBoxLanes = TrianglePack::kLanes;  // number of b
 // can stop at any box.
 enum class NearSearch : std::uint8_t { kWithEmbree, kInOrder };
 
+// The work of a query, as numbers that do not depend on the instruction set.
+struct QueryWork {
+  std::size_t listed = 0;  // found together with too many others, so that the search was repeated
+  std::size_t sorted = 0;  // found and sorted
+  std::size_t boxes = 0;   // tests of sixteen boxes in a search in order of numbers
+};
+
+// Counts the tests of sixteen boxes.
+template <typename Test>
+struct CountedTest {
+  const Test& test;
+  std::size_t& count;
+  std::uint32_t operator()(const BoxPack& boxes) const {
+    ++count;
+    return test(boxes);
+  }
+};
+
 // An immutable tree over groups of sixteen boxes (BoxPack). One BoxPack of the next level holds the
 // bounding boxes of sixteen consecutive groups, and so on, up to a level of one BoxPack. Unlike
 // Embree's trees, the tree finds the next group in a fixed order that does not depend on the
@@ -53,6 +71,10 @@ class OrderedBoxes {
     }
     return std::nullopt;
   }
+
+  // The number of levels, and one BoxPack of a level; level 0 holds the boxes of the groups.
+  std::size_t level_count() const { return levels_.size(); }
+  const BoxPack& boxes(std::size_t level, std::uint32_t pack) const { return levels_[level][pack]; }
 
   // The bytes needed for a tree over this number of groups.
   static std::uint64_t memory_need(std::uint64_t groups);

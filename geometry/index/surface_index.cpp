@@ -63,6 +63,7 @@ class FoundPacks {
   }
 
   bool are_too_many() const { return are_too_many_; }
+  std::size_t count() const { return count_; }
 
   // Visits packs in the order in which the segment reaches them, until the visitor needs no more.
   // The first call has only a few packs, because one of them usually ends the search. The searched
@@ -380,36 +381,36 @@ bool SurfaceIndex::may_meet(const Vec3& p, const Vec3& d, double radius_m) const
   return !surface_.packs.empty() && box_.grown(grown_by_m(radius_m)).clip(p, d, enter, leave);
 }
 
-std::size_t SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
-                                            std::optional<std::uint32_t> first,
-                                            OrderedPackVisitor visitor,
-                                            void* state) const noexcept {
-  std::size_t unvisited = 0;
+QueryWork SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
+                                          std::optional<std::uint32_t> first,
+                                          OrderedPackVisitor visitor, void* state) const noexcept {
+  QueryWork work;
   QueryFraction needed = QueryFraction::end();
   if (!first) {
     const auto are_visited = [&](double part) {
       FoundPacks found(*this, p, part * d, radius_m);
       if (found.are_too_many()) {
-        unvisited += kMostPacksAtOnce;
+        work.listed += kMostPacksAtOnce;
         return false;
       }
+      work.sorted += found.count();
       needed = found.visit(part, visitor, state);
       return true;
     };
-    if (are_visited(1.0)) return unvisited;
+    if (are_visited(1.0)) return work;
     // If the shortest part has too many packs, every part has.
-    unvisited += kMostPacksAtOnce;
+    work.listed += kMostPacksAtOnce;
     int shortenings =
         FoundPacks(*this, p, kShortestPart * d, radius_m).are_too_many() ? 0 : kMostShortenings;
     for (double part = kShorterEachTime; shortenings > 0; --shortenings, part *= kShorterEachTime) {
       if (!are_visited(part)) continue;
-      if (needed <= QueryFraction(part)) return unvisited;
+      if (needed <= QueryFraction(part)) return work;
       break;
     }
   }
   const Box bounds = box_.grown(grown_by_m(radius_m));
   BoxesAlong along{{}, round_up(radius_m)};
-  if (!along.segment.begin(bounds, p, d)) return unvisited;
+  if (!along.segment.begin(bounds, p, d)) return work;
   const auto visit = [&](std::span<const std::uint32_t> packs) {
     const QueryFraction now_needed = visitor(state, packs, true);
     if (now_needed == kNothingMore) return false;
@@ -420,15 +421,87 @@ std::size_t SurfaceIndex::visit_packs_along(const Vec3& p, const Vec3& d, double
     }
     return true;
   };
-  visit_clusters(ordered_clusters_, cluster_boxes_, first.value_or(0), along, visit);
-  return unvisited;
+  visit_clusters(ordered_clusters_, cluster_boxes_, first.value_or(0),
+                 CountedTest<BoxesAlong>{along, work.boxes}, visit);
+  return work;
 }
 
-void SurfaceIndex::visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
-                                    NearPackVisitor visitor, void* state) const noexcept {
-  if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return;
+QueryWork SurfaceIndex::visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
+                                         NearPackVisitor visitor, void* state) const noexcept {
+  QueryWork work;
+  if (surface_.packs.empty() || box_.squared_distance(p) > radius_m * radius_m) return work;
   const auto visit = [&](std::span<const std::uint32_t> packs) { return visitor(state, packs); };
-  visit_clusters(ordered_clusters_, cluster_boxes_, first, BoxesNear(p, radius_m), visit);
+  const BoxesNear near(p, radius_m);
+  visit_clusters(ordered_clusters_, cluster_boxes_, first, CountedTest<BoxesNear>{near, work.boxes},
+                 visit);
+  return work;
+}
+
+// A search for the nearest packs in the tree of OrderedBoxes, depth first. In each group of sixteen
+// boxes, the nearest box is entered first.
+struct SurfaceIndex::InOrder {
+  const SurfaceIndex& index;
+  Vec3 p;
+  const Vec3* axes_per_radius;
+  NearestVisitor visitor;
+  void* state;
+  double margin_m;
+  float p_float[3];
+  double radius = 0.0;
+  float needed = 0.0f;
+
+  void limit(double to) {
+    radius = to;
+    needed = round_up(to + margin_m);
+  }
+  bool is_over() const { return radius < 0.0; }
+
+  // Whether a box meets the box around p.
+  bool meets(const BoxPack& boxes, int lane) const {
+    if (axes_per_radius == nullptr) return true;
+    for (int k = 0; k < 3; ++k) {
+      const double half = radius * (*axes_per_radius)[k] + margin_m;
+      if (boxes.low[k][lane] > p[k] + half || boxes.high[k][lane] < p[k] - half) return false;
+    }
+    return true;
+  }
+
+  // level: 0 for the boxes of the packs of a cluster, and 1 more for each level of groups above.
+  void visit(std::size_t level, std::uint32_t group) {
+    limit(visitor(state, std::nullopt));
+    if (is_over()) return;
+    const BoxPack& boxes =
+        level == 0 ? index.cluster_boxes_[group] : index.ordered_clusters_.boxes(level - 1, group);
+    BoxDistances distances;
+    std::uint32_t lanes = boxes_within(boxes, p_float, needed, distances);
+    while (lanes != 0) {
+      const int lane = least_lane(lanes, distances.squared);
+      lanes &= ~(1u << lane);
+      if (distances.squared[lane] > needed * needed * (1 + 0x1p-20f)) return;
+      if (!meets(boxes, lane)) continue;
+      const std::uint32_t inner = slot(group, lane);
+      if (level == 0) {
+        limit(visitor(state, inner));
+      } else {
+        visit(level - 1, inner);
+      }
+      if (is_over()) return;
+    }
+  }
+};
+
+void SurfaceIndex::visit_nearest_in_order(const Vec3& p, double radius, const Vec3* axes_per_radius,
+                                          NearestVisitor visitor, void* state) const noexcept {
+  if (surface_.packs.empty() || box_.squared_distance(p) > radius * radius) return;
+  InOrder search{*this,
+                 p,
+                 axes_per_radius,
+                 visitor,
+                 state,
+                 float_point_margin_m(p),
+                 {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())}};
+  search.limit(radius);
+  search.visit(ordered_clusters_.level_count(), 0);
 }
 
 std::optional<SegmentHit> SurfaceIndex::first_hit(const Vec3& p, const Vec3& d) const noexcept {

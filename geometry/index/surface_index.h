@@ -71,6 +71,9 @@ using OrderedPackVisitor = QueryFraction (*)(void* state, std::span<const std::u
 // Receives a pack. Returns the bounds around the query point within which the search should
 // continue. Must not throw.
 using NearestPackVisitor = StretchedBall (*)(void* state, std::uint32_t pack);
+// Receives a pack, or no value before each test of sixteen boxes. Returns the radius within which
+// the search should continue; a negative one ends it. Must not throw.
+using NearestVisitor = double (*)(void* state, std::optional<std::uint32_t> pack);
 // Receives up to sixteen packs in ascending order. Returns whether the search should continue. Must
 // not throw.
 using NearPackVisitor = bool (*)(void* state, std::span<const std::uint32_t> packs);
@@ -133,14 +136,19 @@ class SurfaceIndex {
   // packs are visited in ascending order.
   //
   // The visited packs and their grouping do not depend on the instruction set, whereas the order of
-  // Embree's tree does. Returns the number of packs that a search found but did not visit because
-  // there were too many. This number is a measure of the additional work.
-  std::size_t visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
-                                std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
-                                void* state) const noexcept;
-  // Visits the packs of packs_near() in ascending order, starting at pack `first`.
-  void visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
-                        NearPackVisitor visitor, void* state) const noexcept;
+  // Embree's tree does. Returns the work beside that of the visitor.
+  QueryWork visit_packs_along(const Vec3& p, const Vec3& d, double radius_m,
+                              std::optional<std::uint32_t> first, OrderedPackVisitor visitor,
+                              void* state) const noexcept;
+  // Visits the packs of packs_near() in ascending order, starting at pack `first`. Returns the work
+  // beside that of the visitor.
+  QueryWork visit_packs_near(const Vec3& p, double radius_m, std::uint32_t first,
+                             NearPackVisitor visitor, void* state) const noexcept;
+  // Visits the packs whose boxes are within a radius of p, nearest boxes first in each group of
+  // sixteen, in an order that does not depend on the instruction set. axes_per_radius: if given,
+  // the half extents of a box around p, per unit of the radius, outside of which no pack is needed.
+  void visit_nearest_in_order(const Vec3& p, double radius, const Vec3* axes_per_radius,
+                              NearestVisitor visitor, void* state) const noexcept;
 
   // A slot identifies a triangle: slot n is lane n % kLanes of pack n / kLanes.
   static std::uint32_t slot(std::uint32_t pack, int lane) {
@@ -176,6 +184,8 @@ class SurfaceIndex {
   std::size_t memory_bytes() const { return memory().total(); }
 
  private:
+  struct InOrder;
+
   std::vector<Box> build_clusters();
   template <typename Test>
   std::size_t packs_that_pass(const Test& test, std::span<std::uint32_t> packs,

@@ -14,6 +14,8 @@
 //       static constexpr ParameterKey kKeys[] = {...};      // the parameters' names in files
 //       static const char* contradiction(const Parameters&) noexcept;  // a problem, or null
 //       static bool apply(const Parameters&, State&, EffectTick&) noexcept;  // true if active
+//       // with kNeedsPlace only (EffectDistance):
+//       static double distance_m(const Parameters&, const State&, const EffectTick&) noexcept;
 //     };
 //
 // CMake's list PALPATE_EFFECTS names the effects to build. The scene compiler writes one table per
@@ -31,6 +33,7 @@
 #include "haptics/effects/face_point.h"
 #include "haptics/effects/virtual_coupling.h"
 #include "haptics/proxy/friction_cone.h"
+#include "haptics/proxy/work.h"
 
 namespace palpate {
 
@@ -87,6 +90,8 @@ struct EffectTick {
   double share = 1.0;                    // this material's share of the contact force, (0, 1]
   FacePoint face;
   const LiveWorld* world = nullptr;
+  // In kSurroundings: counts the searches of the effects and limits them. Null: no limit.
+  WorkMeter* work = nullptr;
   std::span<const Touch> touches = {};  // in kSurroundings: all faces that the proxy touches
 
   // Outputs of kSurface. The surface is displaced by height_m along its normal; the tangential
@@ -103,6 +108,8 @@ struct EffectTick {
   // Output of an inactive kSurroundings effect: a distance that the proxy can move before the
   // effect may become active.
   double quiet_m = 0.0;
+  // Output of kSurroundings: a search was left out or cut short because the work is spent.
+  bool is_capped = false;
 };
 
 // A parameter that files can set.
@@ -134,6 +141,11 @@ struct ParameterKey {
 using EffectFunction = bool (*)(const std::byte* parameters, std::byte* state,
                                 EffectTick& tick) noexcept;
 
+// For an effect with kNeedsPlace: a lower bound of the distance of the proxy from the object near
+// which the effect acts, m. If the work does not suffice for all places, the nearest come first.
+using EffectDistance = double (*)(const std::byte* parameters, const std::byte* state,
+                                  const EffectTick& tick) noexcept;
+
 // The type-erased form of an effect, for the rest of the engine.
 struct EffectType {
   std::string_view name;
@@ -146,6 +158,7 @@ struct EffectType {
   std::span<const ParameterKey> keys;
   const char* (*contradiction)(const std::byte* parameters) noexcept;
   EffectFunction apply;
+  EffectDistance distance_m;  // of an effect with kNeedsPlace; otherwise null
 };
 
 // The compiled effects, in the order of PALPATE_EFFECTS; at most kMostEffects. An effect's number

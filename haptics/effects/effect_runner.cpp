@@ -16,14 +16,18 @@ constexpr int kTicksBetweenSearches = 16;
 
 }  // namespace
 
-EffectRunner::EffectRunner(const ContactWorld& world, double radius_m,
+EffectRunner::EffectRunner(const ContactWorld& world, const GodObjectSettings& proxy,
                            const CouplingSettings& coupling, bool measures_time)
     : program_(world.effects.get()),
       coupling_(coupling),
       measures_time_(measures_time),
       parameters_(program_->parameters),
-      states_(program_->state_bytes) {
-  tick_.radius_m = radius_m;
+      states_(program_->state_bytes),
+      work_(proxy.accuracy.effects_budget(), proxy.accuracy.counting),
+      has_budget_(proxy.accuracy.counting != CountingRule::kFirst),
+      order_(program_->places.count),
+      place_forces_N_(program_->places.count, Vec3::Zero()) {
+  tick_.radius_m = proxy.radius_m;
   reset_states();
   for (std::size_t b = 0; b < program_->bodies.size(); ++b) {
     if (!program_->bodies[b].attributes) continue;
@@ -237,12 +241,45 @@ Vec3 EffectRunner::surroundings_force_N(const LiveWorld& world, const ProxyState
   if (is_quiet) return tick.force_N;
   quiet_centre_ = state.proxy;
   quiet_radius_m_ = world.size_m();
-  for (const EffectCall& call : places) {
-    tick.quiet_m = 0.0;
-    run(std::span(&call, 1), tick);
-    quiet_radius_m_ = std::min(quiet_radius_m_, tick.quiet_m);
-  }
+  run_places(places, tick);
   return tick.force_N;
+}
+
+void EffectRunner::run_place(const EffectCall& call, EffectTick& tick) noexcept {
+  tick.quiet_m = 0.0;
+  tick.is_capped = false;
+  run(std::span(&call, 1), tick);
+  quiet_radius_m_ = std::min(quiet_radius_m_, tick.quiet_m);
+  is_capped_ = is_capped_ || tick.is_capped;
+}
+
+// The nearest places are searched first. The forces add in the order of the calls, so that their
+// sum does not depend on the distances.
+void EffectRunner::run_places(std::span<const EffectCall> places, EffectTick& tick) noexcept {
+  work_.begin_tick();
+  tick.work = has_budget_ ? &work_ : nullptr;
+  if (!has_budget_ || places.size() == 1) {
+    for (const EffectCall& call : places) run_place(call, tick);
+    return;
+  }
+  work_.add_of_solver(Work::kPlace, places.size());
+  for (std::uint32_t i = 0; i < places.size(); ++i) {
+    const EffectCall& call = places[i];
+    order_[i] = {compiled_effects()[call.effect].distance_m(parameters_.data() + call.parameters,
+                                                            states_.data() + call.state, tick),
+                 i};
+  }
+  const Vec3 force_before_N = tick.force_N;
+  std::make_heap(order_.begin(), order_.end());
+  for (auto end = order_.end(); end != order_.begin(); --end) {
+    std::pop_heap(order_.begin(), end);
+    const std::uint32_t i = (end - 1)->call;
+    tick.force_N.setZero();
+    run_place(places[i], tick);
+    place_forces_N_[i] = tick.force_N;
+  }
+  tick.force_N = force_before_N;
+  for (const Vec3& force_N : place_forces_N_) tick.force_N += force_N;
 }
 
 void EffectRunner::set_parameters(std::uint32_t call,

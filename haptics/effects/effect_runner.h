@@ -10,6 +10,7 @@
 
 #include "geometry/base/box.h"
 #include "haptics/effects/effect_program.h"
+#include "haptics/proxy/god_object.h"
 #include "haptics/proxy/proxy_state.h"
 
 namespace palpate {
@@ -47,10 +48,10 @@ struct EffectCounters {
 // Thread-safety: one thread owns a runner. No allocation, lock or exception after construction.
 class EffectRunner {
  public:
-  // The world must have effects and must outlive the runner. radius_m: the radius of the proxy.
-  // coupling: the spring and damper of surfaces that declare none.
-  EffectRunner(const ContactWorld& world, double radius_m, const CouplingSettings& coupling,
-               bool measures_time);
+  // The world must have effects and must outlive the runner. proxy: its radius and the budget of
+  // the effects. coupling: the spring and damper of surfaces that declare none.
+  EffectRunner(const ContactWorld& world, const GodObjectSettings& proxy,
+               const CouplingSettings& coupling, bool measures_time);
 
   // True if, on the proxy's path to the goal, the proxy cannot meet a surface with effects or enter
   // the range of an effect. In that case, the tick is the same as without effects. The result
@@ -68,7 +69,10 @@ class EffectRunner {
     find_far_reach(world, proxy, touch_m);
   }
 
-  void begin_tick() noexcept { active_ = held_ = 0; }
+  void begin_tick() noexcept {
+    active_ = held_ = 0;
+    is_capped_ = false;
+  }
   // Returns the effects that were active in this tick, one bit each, and counts them.
   std::uint32_t end_tick() noexcept;
 
@@ -85,7 +89,8 @@ class EffectRunner {
   Vec3 contact_force_N(const ProxyState& state, const ContactResponse& response,
                        const EffectMotion& motion) noexcept;
   // Runs stage kSurroundings. state: the state in this tick, in contact or not. normal: unit
-  // contact normal as rendered, zero without contact.
+  // contact normal as rendered, zero without contact. The searches of the effects near objects have
+  // the budget Accuracy::effects_budget(): the nearest objects come first.
   Vec3 surroundings_force_N(const LiveWorld& world, const ProxyState& state, const Vec3& normal,
                             const EffectMotion& motion) noexcept;
 
@@ -104,6 +109,11 @@ class EffectRunner {
   // Resets all effect states to their initial values.
   void reset_states() noexcept;
 
+  // Whether the budget of the effects did not suffice in this tick, and the counted work of the
+  // effects in the last tick that ran effects near objects.
+  bool is_capped() const { return is_capped_; }
+  const WorkMeter& work() const { return work_; }
+
   const EffectCounters& counters() const { return counters_; }
 
  private:
@@ -112,7 +122,18 @@ class EffectRunner {
     double share;
   };
 
+  // A call of the table `places`, by its distance; of equally distant ones, the first comes first.
+  struct Place {
+    double distance_m;
+    std::uint32_t call;
+    bool operator<(const Place& other) const {
+      return distance_m > other.distance_m || (distance_m == other.distance_m && call > other.call);
+    }
+  };
+
   void find_far_reach(const LiveWorld& world, const Vec3& proxy, double touch_m) noexcept;
+  void run_places(std::span<const EffectCall> places, EffectTick& tick) noexcept;
+  void run_place(const EffectCall& call, EffectTick& tick) noexcept;
   void run(std::span<const EffectCall> table, EffectTick& tick) noexcept;
   void run_one(const EffectCall& call, EffectTick& tick) noexcept;
   EffectTick& prepared(const ProxyState& state, const EffectMotion& motion) noexcept;
@@ -138,6 +159,12 @@ class EffectRunner {
   std::size_t material_count_ = 0;
 
   EffectTick tick_;  // input and output of the effects, reused
+
+  WorkMeter work_;
+  bool has_budget_;
+  bool is_capped_ = false;
+  std::vector<Place> order_;          // one for each call of `places`
+  std::vector<Vec3> place_forces_N_;  // likewise
 
   // Boxes around bodies that have effects. If there are too many bodies, the last box covers
   // several of them.

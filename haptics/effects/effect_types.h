@@ -12,6 +12,19 @@
 namespace palpate {
 
 template <typename Effect>
+constexpr EffectDistance effect_distance() {
+  if constexpr ((Effect::kNeeds & kNeedsPlace) != 0) {
+    return [](const std::byte* p, const std::byte* s, const EffectTick& tick) noexcept {
+      return Effect::distance_m(
+          *std::launder(reinterpret_cast<const typename Effect::Parameters*>(p)),
+          *std::launder(reinterpret_cast<const typename Effect::State*>(s)), tick);
+    };
+  } else {
+    return nullptr;
+  }
+}
+
+template <typename Effect>
 constexpr EffectType effect_type() {
   using Parameters = typename Effect::Parameters;
   using State = typename Effect::State;
@@ -37,7 +50,8 @@ constexpr EffectType effect_type() {
           [](const std::byte* p, std::byte* s, EffectTick& tick) noexcept {
             return Effect::apply(*std::launder(reinterpret_cast<const Parameters*>(p)),
                                  *std::launder(reinterpret_cast<State*>(s)), tick);
-          }};
+          },
+          effect_distance<Effect>()};
 }
 
 template <typename... Effects>

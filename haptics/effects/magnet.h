@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 #include "haptics/effects/effect.h"
+#include "haptics/effects/nearest_search.h"
 #include "haptics/proxy/live_world.h"
 
 namespace palpate {
@@ -26,7 +29,9 @@ struct MagneticSurface {
 // at a penetration depth of F0 / K. The direction jumps where two points of one surface are equally
 // near. The forces of several surfaces add.
 //
-// The search has no work budget: it takes milliseconds where 100,000 triangles are equally near.
+// If the search is cut short, the point is the nearest of those found so far: the magnet pulls less
+// than it would, towards a point of its surface. The next tick continues the search. If no work is
+// left, the magnet does not pull.
 struct MagnetEffect {
   static constexpr std::string_view kName = "magnet";
   static constexpr EffectStage kStage = EffectStage::kSurroundings;
@@ -39,7 +44,13 @@ struct MagnetEffect {
     double range_m = 0.0;
     const MagneticSurface* surface = nullptr;
   };
-  struct State {};
+  struct State {
+    // The last search: the proxy in the body frame, and a lower bound of the distance there.
+    double searched_at[3] = {};
+    double least = -1.0;   // < 0: no search yet
+    NearestCursor cursor;  // of a search that was cut short
+    std::uint32_t padding = 0;
+  };
   static constexpr ParameterKey kKeys[] = {
       {"magnetForce", "N", 0.0, 100.0, offsetof(Parameters, force_N), ParameterKey::Role::kDeclares,
        "attraction at the surface"},
@@ -49,18 +60,29 @@ struct MagnetEffect {
 
   static const char* contradiction(const Parameters&) noexcept { return nullptr; }
 
-  static bool apply(const Parameters& p, State&, EffectTick& tick) noexcept {
+  // The distance from the box or, if it is larger, the distance that the last search leaves: in the
+  // body frame, the distance from a rigid surface changes by at most the motion.
+  static double distance_m(const Parameters& p, const State& s, const EffectTick& tick) noexcept {
     const MagneticSurface& surface = *p.surface;
-    for (const Touch& touch : tick.touches) {
-      if (touch.body != surface.body || touch.material != surface.material) continue;
-      tick.force_N -= p.force_N * touch.normal;
+    if (touched(surface, tick) != nullptr) return 0.0;
+    const ContactBody& body = tick.world->body(surface.body);
+    const Vec3 proxy_body = body.to_body(tick.proxy_m);
+    double least = std::sqrt(box_of(body, surface).squared_distance(proxy_body));
+    const Vec3 searched_at(s.searched_at[0], s.searched_at[1], s.searched_at[2]);
+    if (s.least >= 0.0) least = std::max(least, s.least - (proxy_body - searched_at).norm());
+    return body.length_to_solver(least);
+  }
+
+  static bool apply(const Parameters& p, State& s, EffectTick& tick) noexcept {
+    const MagneticSurface& surface = *p.surface;
+    if (const Touch* touch = touched(surface, tick)) {
+      tick.force_N -= p.force_N * touch->normal;
       return true;
     }
     const ContactBody& body = tick.world->body(surface.body);
     const Vec3 proxy_body = body.to_body(tick.proxy_m);
     const bool is_moving = tick.world->is_moving(surface.body);
-    const Box box =
-        body.stretch ? body.stretch->box_body(surface.index->box()) : surface.index->box();
+    const Box box = box_of(body, surface);
     const double to_box = std::sqrt(box.squared_distance(proxy_body));
     const double to_box_m = body.length_to_solver(to_box);
     const double reach_m = p.range_m + tick.radius_m;
@@ -72,23 +94,58 @@ struct MagnetEffect {
     // whole surface is nearer than `farthest`, which limits the search if the range is even larger.
     const double farthest = to_box + kMostBoxes * (box.high - box.low).norm();
     const double range = std::min(body.length_to_body(2.0 * reach_m), farthest);
-    const auto nearest = body.stretch
-                             ? closest_point(*surface.index, *body.stretch, proxy_body, range)
-                             : surface.index->closest_point(proxy_body, range);
-    const double distance_m = nearest ? body.length_to_solver(nearest->distance_m) : 2.0 * reach_m;
+    const bool has_work = tick.work == nullptr || !tick.work->is_spent();
+    const auto nearest =
+        has_work ? nearest_point(body, surface, proxy_body, range, s, tick) : std::nullopt;
+    if (!has_work) tick.is_capped = true;
+    const double distance_m = nearest ? body.length_to_solver(nearest->distance) : 2.0 * reach_m;
     if (distance_m >= reach_m || distance_m == 0.0) {
-      tick.quiet_m = is_moving ? 0.0 : std::max(0.0, distance_m - reach_m);
+      if (!tick.is_capped) tick.quiet_m = is_moving ? 0.0 : std::max(0.0, distance_m - reach_m);
       return false;
     }
     const double part = 1.0 - std::max(0.0, distance_m - tick.radius_m) / p.range_m;
-    const Vec3 towards =
-        body.direction_to_solver(nearest->point_m - proxy_body) / nearest->distance_m;
+    const Vec3 towards = body.direction_to_solver(nearest->point - proxy_body) / nearest->distance;
     tick.force_N += p.force_N * part * part * towards;
     return true;
   }
 
  private:
   static constexpr double kMostBoxes = 64.0;
+
+  // The touch of the surface, or null.
+  static const Touch* touched(const MagneticSurface& surface, const EffectTick& tick) noexcept {
+    const auto found =
+        std::find_if(tick.touches.begin(), tick.touches.end(), [&](const Touch& touch) {
+          return touch.body == surface.body && touch.material == surface.material;
+        });
+    return found == tick.touches.end() ? nullptr : &*found;
+  }
+
+  static Box box_of(const ContactBody& body, const MagneticSurface& surface) noexcept {
+    return body.stretch ? body.stretch->box_body(surface.index->box()) : surface.index->box();
+  }
+
+  // The nearest point within `range`, body frame.
+  static std::optional<NearestPoint> nearest_point(const ContactBody& body,
+                                                   const MagneticSurface& surface,
+                                                   const Vec3& proxy_body, double range, State& s,
+                                                   EffectTick& tick) noexcept {
+    if (tick.work == nullptr) {  // the search of before the budget
+      const auto nearest = body.stretch
+                               ? closest_point(*surface.index, *body.stretch, proxy_body, range)
+                               : surface.index->closest_point(proxy_body, range);
+      if (!nearest) return std::nullopt;
+      return NearestPoint{nearest->point_m, nearest->distance_m, NearestCursor::kNone};
+    }
+    const Vec3 searched_at(s.searched_at[0], s.searched_at[1], s.searched_at[2]);
+    const bool has_moved = s.least < 0.0 || searched_at != proxy_body;
+    const NearestResult found = find_nearest(*surface.index, body.stretch, proxy_body, range,
+                                             has_moved, s.cursor, *tick.work);
+    std::copy_n(proxy_body.data(), 3, s.searched_at);
+    tick.is_capped = tick.is_capped || found.is_cut_short;
+    s.least = found.is_cut_short ? 0.0 : found.nearest ? found.nearest->distance : range;
+    return found.nearest;
+  }
 };
 
 }  // namespace palpate

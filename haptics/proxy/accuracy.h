@@ -35,9 +35,15 @@ struct Accuracy {
   // proxy is.
   bool certify = true;
 
-  // Largest work of one tick in the units of work.h, >= 1. A tick that exceeds it is capped, and
-  // the next tick continues the interrupted search.
+  // Largest work of the proxy and the bodies in one tick, in the units of work.h, >= 1. A tick that
+  // exceeds it is capped, and the next tick continues the interrupted search.
   WorkUnits work_budget = 20000;
+  // How the work is counted. Under kFirst, effects have no budget.
+  CountingRule counting = CountingRule::kSecond;
+
+  // The budget of the effects of a tick, which is separate from that of the proxy.
+  WorkUnits effects_budget() const { return work_budget / kEffectsPart + 1; }
+  static constexpr WorkUnits kEffectsPart = 8;
 
   // Limit of `iterations`. The path of a tick is allocated in advance: 28 MB at this limit.
   static constexpr int kMostIterations = 1 << 16;

@@ -80,9 +80,11 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, NearSearch s
   std::size_t used = 0;
   // Few bodies are all queried; many bodies are first excluded by their boxes.
   const bool are_many = world_->bodies().size() > kMostBodies;
+  std::size_t seen = 0;
   std::size_t entered = 0;
   bool fits = true;
-  world_->visit_resting_near(centre, radius_m + reach_m_, search, [&](std::uint32_t b) {
+  const auto visit = [&](std::uint32_t b) {
+    ++seen;
     if (are_many) {
       const ContactBody& body = world_->body(b);
       const Vec3 centre_body = body.to_body(centre);
@@ -93,10 +95,11 @@ bool CandidateCache::fill_ball(const Vec3& centre, double radius_m, NearSearch s
     }
     fits = entered <= kMostBodies && add_body(b, search, used);
     return fits;
-  });
-  const std::size_t bodies = are_many ? entered : body_count_;
-  work.add(static_cast<WorkUnits>(bodies) * work::kBody +
-           static_cast<WorkUnits>(fits ? used : kCapacity) * work::kPackNamed);
+  };
+  work.add(world_->visit_resting_near(centre, radius_m + reach_m_, search, visit));
+  work.add(Work::kBodySeen, seen);
+  work.add(Work::kBody, are_many ? entered : body_count_);
+  work.add(Work::kPackListed, fits ? used : kCapacity);
   return fits;
 }
 

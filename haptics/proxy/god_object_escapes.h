@@ -91,6 +91,7 @@ void GodObject::hold_by_most_violated(const Friction& friction,
   plane_count_ = 0;
   projection_ = project(friction, {});
   for (int left = kMostExchanges; left > 0; --left) {
+    tracer_.count(Work::kPlane, contacts.size() + static_cast<std::size_t>(plane_count_));
     const FaceContact* most = nullptr;
     double by_m = 0.0;
     for (const FaceContact& contact : contacts) {
@@ -282,6 +283,7 @@ template <typename Friction>
 bool GodObject::slides_between(Friction& friction) {
   const auto all_touched = around_->all_touched();
   const auto touched = all_touched.first(std::min(all_touched.size(), kMostCrossing));
+  tracer_.count(Work::kPlane, touched.size() * touched.size() / 2);
   const Vec3 lag = goal_ - proxy_;
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
     if (tracer_.is_cut_short()) return false;
@@ -367,6 +369,7 @@ bool GodObject::goes_along_lines(Friction& friction) {
     add(around_->faces[i].normal);
     add(around_->nearest[i].normal);
   }
+  tracer_.count(Work::kPlane, count * count / 2);
   std::size_t line_count = 0;
   const Vec3 lag = goal_ - proxy_;
   for (std::size_t i = 0; i < count; ++i) {

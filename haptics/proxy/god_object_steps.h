@@ -271,6 +271,8 @@ PlaneProjection GodObject::project(const Friction& friction,
 
 template <typename Friction>
 GodObject::Progress GodObject::take_step(Friction& friction) {
+  tracer_.count(Work::kStep, 1);
+  tracer_.count(Work::kPlane, static_cast<std::size_t>(plane_count_));
   if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
   projection_ = project(friction, planes());
   if (!projection_.solved) return Progress::kStuck;

@@ -43,24 +43,25 @@ class LiveWorld {
 
   // Calls visit(b) for every body at rest whose box comes within radius_m of p, in ascending order,
   // until visit returns false. A small world has no tree; there, every body at rest is visited.
+  // Returns the work of the search in the tree.
   template <typename Visit>
-  void visit_resting_near(const Vec3& p, double radius_m, NearSearch search,
-                          Visit visit) const noexcept {
+  QueryWork visit_resting_near(const Vec3& p, double radius_m, NearSearch search,
+                               Visit visit) const noexcept {
     if (!tree_) return visit_all_resting(0, visit);
     Visitor<Visit> visitor{this, &visit};
-    tree_->visit_near(p, radius_m, search, Visitor<Visit>::visit_if_resting, &visitor);
+    return tree_->visit_near(p, radius_m, search, Visitor<Visit>::visit_if_resting, &visitor);
   }
 
   // Calls visit(b) for every body at rest, from number `first` on, whose box comes within radius_m
   // of the segment p to p + d, in ascending order, until visit returns false. A small world has no
   // tree; there, every body at rest from `first` on is visited. radius_m: at most the sweep radius
-  // that the world's tree was built for.
+  // that the world's tree was built for. Returns the work of the search in the tree.
   template <typename Visit>
-  void visit_resting_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
-                           Visit visit) const noexcept {
+  QueryWork visit_resting_along(const Vec3& p, const Vec3& d, double radius_m, std::uint32_t first,
+                                Visit visit) const noexcept {
     if (!tree_) return visit_all_resting(first, visit);
     Visitor<Visit> visitor{this, &visit};
-    tree_->visit_along(p, d, radius_m, first, Visitor<Visit>::visit_if_resting, &visitor);
+    return tree_->visit_along(p, d, radius_m, first, Visitor<Visit>::visit_if_resting, &visitor);
   }
 
  private:
@@ -76,10 +77,11 @@ class LiveWorld {
   };
 
   template <typename Visit>
-  void visit_all_resting(std::uint32_t first, Visit& visit) const noexcept {
+  QueryWork visit_all_resting(std::uint32_t first, Visit& visit) const noexcept {
     for (std::uint32_t b = first; b < bodies_.size(); ++b) {
-      if (!is_moving_[b] && !visit(b)) return;
+      if (!is_moving_[b] && !visit(b)) break;
     }
+    return {};
   }
 
   std::vector<ContactBody> bodies_;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "haptics/proxy/contact.h"
 #include "haptics/proxy/contact_world.h"
@@ -26,6 +27,9 @@ class MadeTriangles {
     return made(*body.stretch, *body.index, face);
   }
 
+  // The number of triangles computed since the last call.
+  std::size_t take_made_count() { return std::exchange(made_count_, std::size_t{0}); }
+
  private:
   static constexpr std::size_t kCount = 16;
   struct Entry {
@@ -36,11 +40,15 @@ class MadeTriangles {
   [[gnu::noinline]] const TriangleGeometry& made(const Stretch& stretch, const SurfaceIndex& index,
                                                  const FaceRef& face) const {
     Entry& entry = entries_[face.slot % kCount];
-    if (entry.face != face) entry = {face, stretch.triangle(index.triangle(face.slot))};
+    if (entry.face != face) {
+      entry = {face, stretch.triangle(index.triangle(face.slot))};
+      ++made_count_;
+    }
     return entry.triangle;
   }
 
   mutable std::array<Entry, kCount> entries_;
+  mutable std::size_t made_count_ = 0;
 };
 
 }  // namespace palpate

@@ -37,8 +37,8 @@ class Search {
   // Considers all faces within reach_m of p. False if the budget was spent.
   bool run(double reach_m) {
     reach_m_ = reach_m;
-    world_.visit_resting_near(p_, reach_m, NearSearch::kInOrder,
-                              [&](std::uint32_t b) { return visit_body(b); });
+    work_.add(world_.visit_resting_near(p_, reach_m, NearSearch::kInOrder,
+                                        [&](std::uint32_t b) { return visit_body(b); }));
     for (const std::uint32_t b : world_.moving()) visit_body(b);
     return !work_.is_spent();
   }
@@ -49,14 +49,14 @@ class Search {
  private:
   // False to end the search.
   bool visit_body(std::uint32_t b) {
-    work_.add(work::kBody);
+    work_.add(Work::kBody);
     body_ = &world_.body(b);
     body_number_ = b;
     p_body_ = body_->to_body(p_);
     const Vec3 p_index = body_->to_index(p_body_);
     const double reach = body_->reach_index(reach_m_, p_body_);
     if (body_->index->box().squared_distance(p_index) > reach * reach) return !work_.is_spent();
-    body_->index->visit_packs_near(
+    const QueryWork query = body_->index->visit_packs_near(
         p_index, reach, 0,
         [](void* search, std::span<const std::uint32_t> packs) {
           return std::all_of(packs.begin(), packs.end(), [&](std::uint32_t pack) {
@@ -64,11 +64,12 @@ class Search {
           });
         },
         this);
+    work_.add(query);
     return !work_.is_spent();
   }
 
   bool visit_pack(std::uint32_t id) {
-    work_.add(work::kPack);
+    work_.add(Work::kPack);
     const TrianglePack& pack = body_->index->pack(id);
     std::uint32_t lanes = (1u << pack.count) - 1;
     if (!body_->stretch) {
@@ -76,7 +77,8 @@ class Search {
       lanes &= lanes_within(pack, p_body_, body_->length_to_body(farthest_m()), distances);
     }
     while (lanes != 0) {
-      work_.add(work::kNearestPoint);
+      work_.add(Work::kNearestPoint);
+      if (body_->stretch) work_.add(Work::kStretchedTriangle);
       const FaceRef face{body_number_, SurfaceIndex::slot(id, take_lane(lanes))};
       TriangleGeometry buffer;
       consider(place_on(*body_, face, body_->triangle(face.slot, buffer), p_body_));

@@ -120,7 +120,7 @@ struct SegmentTracer::Search {
   std::size_t packs_at_once() const { return is_resumed ? 1 : kPacksAtOnce; }
 
   bool consider_for_point(std::span<const std::uint32_t> packs) {
-    tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
+    tracer.work_.add(Work::kPack, packs.size());
     std::array<PackLanes, kPacksAtOnce> doubtful;
     const std::size_t count = lanes_in_the_way(placed->index->packs(), packs, p_index, d_index,
                                                sorted_within, doubtful.data());
@@ -136,7 +136,7 @@ struct SegmentTracer::Search {
   // First tests the triangles that the sphere touches at the start. Usually one of them stops the
   // step, and most other triangles are then excluded.
   bool consider_for_sphere(std::span<const std::uint32_t> packs) {
-    tracer.work_.add(work::kPack * static_cast<WorkUnits>(packs.size()));
+    tracer.work_.add(Work::kSpherePack, packs.size());
     std::array<PackApproach, kPacksAtOnce> doubtful;
     const std::size_t count = lanes_in_reach(placed->index->packs(), packs, p_index, d_index,
                                              sorted_within, doubtful.data());
@@ -175,9 +175,9 @@ struct SegmentTracer::Search {
     TriangleHit hit;
     TriangleWork work;
     const bool is_met = meets(face.slot, hit, work);
-    tracer.work_.add(work::kTriangle + work.signs.by_pairs * work::kSignByPairs +
-                     work.signs.by_expansions * work::kSignByExpansions +
-                     work.nearest_points * work::kNearestPoint);
+    tracer.count(work);
+    if (placed->stretch) [[unlikely]]
+      tracer.work_.add(Work::kStretchedTriangle, tracer.made_.take_made_count());
     if (is_met) keep_earlier(hit, face);
   }
 

@@ -68,7 +68,7 @@ SegmentTracer::SegmentTracer(const LiveWorld& world, double radius_m, const Accu
       scale_(scale_for(world, radius_m, accuracy)),
       // Hits need half a stand-off beyond the radius; two stand-offs also cover rounding.
       cache_(world, radius_m + 2 * scale_.stand_off_m),
-      work_(accuracy.work_budget),
+      work_(accuracy.work_budget, accuracy.counting),
       noted_from_(accuracy.work_budget / kNotedAfterPart),
       memories_{std::make_unique<Memory>(kMostNotedOfMove),
                 std::make_unique<Memory>(kMostNotedOfPush)},
@@ -102,7 +102,7 @@ void SegmentTracer::forget_moving_searches() noexcept {
   std::uint32_t unexamined = 0;
   for (std::size_t n = 0; n < cache_.body_count(); ++n) {
     search.enter_body(cache_.body(n));
-    work_.add(work::kBody);
+    work_.add(Work::kBody);
     const std::size_t count = cache_.packs_along(n, search.p_index, search.d_index, packs);
     if (!search.consider_packs(std::span(packs).first(count), unexamined)) return false;
   }
@@ -128,18 +128,29 @@ bool SegmentTracer::search_all(Search& search, TraceCursor& cursor, const TraceK
 bool SegmentTracer::search_resting(Search& search, TraceCursor& cursor) noexcept {
   bool is_complete = true;
   const Vec3 d = search.limit.value() * (search.q - search.p);
-  world_->visit_resting_along(search.p, d, sweep_radius_m(), cursor.body, [&](std::uint32_t b) {
+  const bool counts_seen = accuracy_.counting != CountingRule::kFirst;
+  const auto visit = [&](std::uint32_t b) {
     if (b != cursor.body) {
       cursor.body = b;
       cursor.pack = 0;
     }
     search.shorten();
     search.enter_body(b);
+    work_.add(Work::kBodySeen);
     // Without a tree, the visit includes bodies that are far away.
-    if (search.misses_body()) return true;
+    if (search.misses_body()) {
+      if (!counts_seen) return true;
+      search.has_begun = true;
+      if (!work_.is_spent()) return true;
+      cursor.body = b + 1;
+      cursor.pack = 0;
+      is_complete = false;
+      return false;
+    }
     is_complete = search_body(search, cursor);
     return is_complete;
-  });
+  };
+  work_.add(world_->visit_resting_along(search.p, d, sweep_radius_m(), cursor.body, visit));
   return is_complete;
 }
 
@@ -158,7 +169,7 @@ bool SegmentTracer::search_moving(Search& search, TraceCursor& cursor,
 // Searches the entered body. False if the budget did not suffice.
 bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
   if (search.must_stop()) return false;
-  work_.add(work::kBody);
+  work_.add(Work::kBody);
   struct State {
     Search* search;
     TraceCursor* cursor;
@@ -168,7 +179,7 @@ bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
   // Embree's boxes were not enlarged enough for a point far away from a stretched body.
   const double sweep_radius = search.sweep_radius();
   if (!first && sweep_radius > search.placed->index->sweep_radius_m()) first = 0;
-  const std::size_t unvisited = search.placed->index->visit_packs_along(
+  const QueryWork query = search.placed->index->visit_packs_along(
       search.p_index, search.d_index, sweep_radius, first,
       [](void* s, std::span<const std::uint32_t> packs, bool in_order) {
         State& in = *static_cast<State*>(s);
@@ -178,7 +189,7 @@ bool SegmentTracer::search_body(Search& search, TraceCursor& cursor) noexcept {
         return in.is_complete ? QueryFraction(in.search->needed()) : kNothingMore;
       },
       &state);
-  work_.add(static_cast<WorkUnits>(unvisited) * work::kPackNamed);
+  count(query);
   search.has_begun = search.has_begun || state.is_complete;
   return state.is_complete;
 }

@@ -16,6 +16,7 @@
 #include "haptics/proxy/live_world.h"
 #include "haptics/proxy/made_triangles.h"
 #include "haptics/proxy/trace_log.h"
+#include "haptics/proxy/triangle_trace.h"
 #include "haptics/proxy/work.h"
 
 namespace palpate {
@@ -62,6 +63,8 @@ class SegmentTracer {
   // after it are then unknown.
   bool is_cut_short() const { return is_cut_short_; }
   const WorkMeter& work() const { return work_; }
+  // Adds the work of the solver outside of the searches.
+  void count(Work kind, std::size_t count) const noexcept { work_.add_of_solver(kind, count); }
 
   // Begins the searches for another purpose.
   void begin_errand(Errand errand) noexcept {
@@ -211,6 +214,18 @@ class SegmentTracer {
   // Whether a trace must consult the stored results: they may have its answer, or the budget is
   // spent.
   bool must_consult_memory() const { return has_memory_ || work_.is_spent(); }
+  // Adds the work of a query for packs.
+  void count(const QueryWork& query) noexcept {
+    work_.add(Work::kPackListed, query.listed);
+    work_.add(Work::kSorted, query.sorted);
+    work_.add(Work::kBoxes, query.boxes);
+  }
+  void count(const TriangleWork& triangle) noexcept {
+    work_.add(Work::kTriangle);
+    work_.add(Work::kSignByPairs, static_cast<std::size_t>(triangle.signs.by_pairs));
+    work_.add(Work::kSignByExpansions, static_cast<std::size_t>(triangle.signs.by_expansions));
+    work_.add(Work::kNearestPoint, static_cast<std::size_t>(triangle.nearest_points));
+  }
   double first_look(const Vec3& p, const Vec3& q) const;
   bool search_candidates(Search& search) noexcept;
   bool search_all(Search& search, TraceCursor& cursor, const TraceKey& key,
@@ -236,8 +251,8 @@ class SegmentTracer {
   CandidateCache cache_;
   Vec3 motion_ = Vec3::Zero();  // motion of the proxy in the last tick
   int refills_ = 0;             // refills of the cache in this tick
-  WorkMeter work_;
-  WorkUnits noted_from_;  // traces are logged once a tick has done this much work
+  mutable WorkMeter work_;      // mutable: contacts are computed in const functions
+  WorkUnits noted_from_;        // traces are logged once a tick has done this much work
   bool is_cut_short_ = false;
   bool may_stop_around_ = false;  // whether a search for contacts around a point may be cut short
 

@@ -16,6 +16,8 @@ namespace {
 // packs of all bodies. The search considers those with the lowest numbers.
 constexpr std::size_t kMostBodiesAround = 64;
 constexpr std::size_t kMostPacksAround = 256;
+// Limit of the bodies whose boxes the search meets, near or not.
+constexpr std::size_t kMostSeenAround = 1024;
 
 // A search for contacts around a point is never cut short if it begins before this fraction (1/4)
 // of the budget is used: its work is limited, and the next tick can continue after it.
@@ -52,6 +54,7 @@ class NearestContacts {
 }  // namespace
 
 FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) const noexcept {
+  work_.add_of_solver(Work::kContact);
   const ContactBody& body = world_->body(face.body);
   const TrianglePoint nearest = closest_point_on_triangle(made_.of(body, face), body.to_body(p));
   return {face, body.direction_to_solver(nearest.direction),
@@ -60,6 +63,7 @@ FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) c
 }
 
 Vec3 SegmentTracer::edge_direction(const FaceContact& contact) const noexcept {
+  work_.add_of_solver(Work::kContact);
   const ContactBody& body = world_->body(contact.face.body);
   const TriangleGeometry& t = made_.of(body, contact.face);
   const Vec3 p_body = body.to_body(contact.feature_point);
@@ -90,6 +94,7 @@ FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
 
 FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
                                         const Vec3& side) const noexcept {
+  work_.add_of_solver(Work::kContact);
   const ContactBody& body = world_->body(face.body);
   const TriangleGeometry& t = made_.of(body, face);
   const Vec3 p_body = body.to_body(p);
@@ -105,7 +110,7 @@ std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left,
   const Vec3 p_body = body.to_body(p);
   const Vec3 q_body = body.to_body(q);
   const std::uint32_t pack = left.slot / TrianglePack::kLanes;
-  work_.add(work::kPack);
+  work_.add(Work::kPack);
   PackLanes near;
   if (lanes_in_the_way(body.index->packs(), {&pack, 1}, body.to_index(p_body),
                        body.to_index(q_body - p_body), body.reach_index(0.0, p_body), &near) == 0) {
@@ -146,15 +151,22 @@ std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
   may_stop_around_ = kBeginsAroundPart * work_.used() > work_.budget();
   std::size_t packs_left = kMostPacksAround;
   std::size_t bodies_left = kMostBodiesAround;
+  std::size_t seen_left = accuracy_.counting == CountingRule::kFirst
+                              ? std::numeric_limits<std::size_t>::max()
+                              : kMostSeenAround;
   const auto add = [&](const FaceContact& contact) { nearest.add(contact); };
-  world_->visit_resting_near(p, reach_m, NearSearch::kInOrder, [&](std::uint32_t b) {
+  const auto visit = [&](std::uint32_t b) {
+    work_.add(Work::kBodySeen);
     const ContactBody& body = world_->body(b);
     const Vec3 p_body = body.to_body(p);
     const double reach = body.reach_index(reach_m, p_body);
-    if (body.index->box().squared_distance(body.to_index(p_body)) > reach * reach) return true;
+    if (body.index->box().squared_distance(body.to_index(p_body)) > reach * reach) {
+      return --seen_left > 0;
+    }
     visit_contacts(b, p, reach_m, packs_left, add);
     return --bodies_left > 0 && packs_left > 0 && !is_cut_short_;
-  });
+  };
+  work_.add(world_->visit_resting_near(p, reach_m, NearSearch::kInOrder, visit));
   for (const std::uint32_t b : world_->moving()) visit_contacts(b, p, reach_m, packs_left, add);
   return nearest.count();
 }
@@ -166,7 +178,7 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
   const ContactBody& body = world_->body(b);
   const Vec3 p_body = body.to_body(p);
   const double reach = body.length_to_body(reach_m);
-  work_.add(work::kBody);
+  work_.add(Work::kBody);
   const auto consider_pack = [&](std::uint32_t pack) {
     const int count = body.index->pack(pack).count;
     if (may_stop_around_ && work_.is_spent()) {
@@ -174,7 +186,9 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
       is_cut_short_ = true;
       return false;
     }
-    work_.add(work::kPack + count * work::kNearestPoint);
+    work_.add(Work::kPack);
+    work_.add(Work::kNearestPoint, static_cast<std::size_t>(count));
+    if (body.stretch) work_.add(Work::kStretchedTriangle, static_cast<std::size_t>(count));
     for (int lane = 0; lane < count; ++lane) {
       const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
       TriangleGeometry buffer;
@@ -190,12 +204,12 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
     return --packs_left > 0;
   };
   using ConsiderPack = decltype(consider_pack);
-  body.index->visit_packs_near(
+  count(body.index->visit_packs_near(
       body.to_index(p_body), body.reach_index(reach_m, p_body), 0,
       [](void* state, std::span<const std::uint32_t> packs) {
         return std::all_of(packs.begin(), packs.end(), *static_cast<ConsiderPack*>(state));
       },
-      const_cast<void*>(static_cast<const void*>(&consider_pack)));
+      const_cast<void*>(static_cast<const void*>(&consider_pack))));
 }
 
 std::size_t SegmentTracer::contacts_around(const Vec3& p, double reach_m,

@@ -17,7 +17,7 @@ struct A4Anticipation::Approach {
 
 std::optional<A4Anticipation::Approach> A4Anticipation::find_approach(
     const FreeMotion& motion) noexcept {
-  WorkMeter work(motion.work_left);
+  WorkMeter work(motion.work_left, motion.counting);
   const auto place = nearest_.update(motion.world, motion.goal_solver_m,
                                      settings_.range_m + motion.radius_m, work);
   if (!place) return std::nullopt;

@@ -25,6 +25,7 @@ struct FreeMotion {
   double radius_m = 0.0;
   double dt_s = 0.0;
   WorkUnits work_left = 0;  // of the tick's budget
+  CountingRule counting = CountingRule::kSecond;
 };
 
 // Let q be the surface point nearest to x (NearestPlace), n = (x - q)/|x - q|, with 2 sensors

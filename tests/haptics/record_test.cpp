@@ -48,7 +48,7 @@ TEST(RecordTable, NamesEveryFaultAndReservesBitsForGovernors) {
   const std::set<std::string_view> names(kFaultNames.begin(), kFaultNames.end());
   EXPECT_EQ(names.size(), static_cast<std::size_t>(kFaultCount));
   EXPECT_FALSE(names.contains(""));
-  EXPECT_EQ(kFaultBadActuation, 1u << (kFaultCount - 1)) << "the last one";
+  EXPECT_EQ(kFaultEffectsCapped, 1u << (kFaultCount - 1)) << "the last one";
   EXPECT_EQ((kFaultsWithoutForce >> kFirstGovernorFault), 0u);
 }
 

@@ -12,6 +12,7 @@ const kFaultWords: Record<string, string> = {
   bad_settings: "settings are not valid",
   invalid_sample: "device marked its sample as invalid",
   bad_actuation: "new motor axes were ignored",
+  effects_capped: "magnets and media reached their limit",
   bad_sample: "a bad sample stopped a motor",
   motors: "motors cannot push part of the force",
   peak: "a motor reached its peak force",

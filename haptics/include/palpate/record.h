@@ -41,13 +41,16 @@ enum Fault : std::uint32_t {
   kFaultFarSample = 1u << 7,       // the position is farther than farthest_sample_m(): zero force
   kFaultBadSettings = 1u << 8,     // check_settings() found an Error: zero force in every tick
   kFaultInvalidSample = 1u << 9,   // the device marked the sample as invalid: zero force
-  kFaultBadActuation = 1u << 10    // new motor axes were ignored: they need other sensed axes
+  kFaultBadActuation = 1u << 10,   // new motor axes were ignored: they need other sensed axes
+  // The work of magnets and media reached its limit. The nearest were computed; the force is
+  // commanded.
+  kFaultEffectsCapped = 1u << 11
 };
-inline constexpr int kFaultCount = 11;
+inline constexpr int kFaultCount = 12;
 inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
     "non_finite_sample", "bad_time_step",  "solver_capped",    "jump",
     "body_held",         "bad_body_pose",  "non_finite_force", "far_sample",
-    "bad_settings",      "invalid_sample", "bad_actuation"};
+    "bad_settings",      "invalid_sample", "bad_actuation",    "effects_capped"};
 inline constexpr int kFirstGovernorFault = 16;
 static_assert(kFaultCount <= kFirstGovernorFault);
 

@@ -437,6 +437,24 @@ TEST_F(CommandLine, RefusesIntegersThatAreNotWrittenInDigits) {
   expect_run(largest);
 }
 
+TEST_F(CommandLine, MeasuresAWorkBudgetForTheRate) {
+  write_path();
+  const auto budget_at = [&](const std::string& rate) {
+    std::vector<std::string> arguments = replay({});
+    arguments.insert(arguments.end(), {"--work-budget", "auto", "--rate", rate});
+    const std::string text = expect_done(arguments).err;
+    const std::string before = "work budget: ";
+    const std::size_t at = text.find(before);
+    EXPECT_NE(at, std::string::npos) << text;
+    return at == std::string::npos ? 0LL : std::stoll(text.substr(at + before.size()));
+  };
+  EXPECT_GE(budget_at("1000"), 100);
+  EXPECT_GE(budget_at("100"), budget_at("10000")) << "ten times the time, at the least";
+  expect_refused({"compare", kStar, "--work-budget", "auto", "--plane-height", "0.01"},
+                 {"--work-budget", "is auto", "expected a number"});
+  expect_refused(replay({"--work-budget", "automatic"}), {"--work-budget", "whole number"});
+}
+
 TEST_F(CommandLine, ReadsLeadingZerosAsDecimal) {
   write_path();
   const auto trace = [&](const char* window) {
@@ -1204,7 +1222,7 @@ TEST_F(CommandLine, SummarisesAReplayInJson) {
   EXPECT_EQ(keys_of(summary["faults"]),
             sorted({"non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held",
                     "bad_body_pose", "non_finite_force", "far_sample", "bad_settings",
-                    "invalid_sample", "bad_actuation"}));
+                    "invalid_sample", "bad_actuation", "effects_capped"}));
   // The figures are those of the trace.
   int contact_ticks = 0;
   int losses = 0;

@@ -22,7 +22,7 @@ ROUNDING = 2.0 ** -53
 
 FAULTS = ["non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held",
           "bad_body_pose", "non_finite_force", "far_sample", "bad_settings", "invalid_sample",
-          "bad_actuation"]
+          "bad_actuation", "effects_capped"]
 
 PAPER = {"sensors": 2, "actuators": 1, "rate_Hz": 1000, "stiffness_N_per_m": 1000,
          "damping_Ns_per_m": 2}

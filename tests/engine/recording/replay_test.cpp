@@ -85,6 +85,32 @@ TEST(Replay, GivesEveryBitAgainInEachSimdWidth) {
   limit_simd_level(SimdLevel::kAvx512);
 }
 
+// A recording holds the work budget and the rule of counting. One without a rule is of an earlier
+// version; a rule that this version does not know is refused.
+TEST(Replay, TakesTheRuleOfCountingFromTheRecording) {
+  const Recorded recorded(100);
+  const auto reader = RecordingReader::open(recorded.path);
+  ASSERT_TRUE(reader);
+  RecordingMeta meta = *reader->meta();
+  const auto rule = [&] {
+    const auto session = session_of(meta);
+    EXPECT_TRUE(session) << session.error().to_string();
+    return session->setup.haptics.god_object.accuracy.counting;
+  };
+  EXPECT_EQ(rule(), CountingRule::kSecond);
+  EXPECT_EQ(std::get<std::int64_t>(meta.at("proxy.work_budget")), Accuracy{}.work_budget);
+  meta["proxy.counting"] = std::int64_t{1};
+  EXPECT_EQ(rule(), CountingRule::kFirst);
+  meta.erase("proxy.counting");
+  EXPECT_EQ(rule(), CountingRule::kFirst);
+  for (const std::int64_t unknown : {0, 3, 259}) {
+    meta["proxy.counting"] = unknown;
+    const auto session = session_of(meta);
+    ASSERT_FALSE(session) << unknown;
+    EXPECT_EQ(session.error().element, "proxy.counting");
+  }
+}
+
 // A recorder that left out one kind of input would be found out, for each line of the table.
 TEST(Replay, FindsOutARecorderThatLeavesOutAnyKindOfInput) {
   const Recorded recorded(20'000);

@@ -212,8 +212,11 @@ TEST(NearestPlace, CountsItsWork) {
   WorkMeter work(kEnough);
   // The first ball, a sixteenth of the reach, already holds the world.
   ASSERT_TRUE(nearest.update(world, random.in_box(0.1), 16.0, work));
-  EXPECT_GE(work.used(), work::kBody + packs * work::kPack + work::kNearestPoint);
-  EXPECT_LE(work.used(), work::kBody + packs * (work::kPack + 16 * work::kNearestPoint));
+  EXPECT_GE(work.used(),
+            price_of(Work::kBody) + packs * price_of(Work::kPack) + price_of(Work::kNearestPoint));
+  EXPECT_LE(work.used(),
+            price_of(Work::kBody) + packs * (price_of(Work::kPack) + price_of(Work::kBoxes) +
+                                             16 * price_of(Work::kNearestPoint)));
 }
 
 }  // namespace

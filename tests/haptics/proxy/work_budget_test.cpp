@@ -65,10 +65,13 @@ class WorkBudget : public testing::TestWithParam<WorstKind> {
 };
 
 // The largest work of a tick beyond its budget. The tick completes the present pack, or tests the
-// doubtful triangles of a shortened step, each of which may need exact signs.
+// doubtful triangles of a shortened step, each of which may need exact signs; and it completes the
+// solver's own work, at most that of its largest number of steps.
 constexpr WorkUnits kMostBeyond =
-    DoubtfulTriangles::kMost *
-    (work::kTriangle + 4 * work::kNearestPoint + 5 * work::kSignByExpansions);
+    DoubtfulTriangles::kMost * (price_of(Work::kTriangle) + 4 * price_of(Work::kNearestPoint) +
+                                5 * price_of(Work::kSignByExpansions)) +
+    Accuracy{}.iterations * (price_of(Work::kStep) + kMaxContactPlanes * price_of(Work::kPlane) +
+                             3 * price_of(Work::kContact));
 
 TEST_P(WorkBudget, LimitsTheWorkOfEachTick) {
   ASSERT_EQ(input_.goals_m.size(), GetParam().ticks);

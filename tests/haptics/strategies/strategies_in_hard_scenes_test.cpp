@@ -106,8 +106,10 @@ class JudgedRun {
   static constexpr double kClamp_N = 2.0;
   // As in work_budget_test.cpp.
   static constexpr WorkUnits kLastStep =
-      DoubtfulTriangles::kMost *
-      (work::kTriangle + 4 * work::kNearestPoint + 5 * work::kSignByExpansions);
+      DoubtfulTriangles::kMost * (price_of(Work::kTriangle) + 4 * price_of(Work::kNearestPoint) +
+                                  5 * price_of(Work::kSignByExpansions)) +
+      Accuracy{}.iterations * (price_of(Work::kStep) + kMaxContactPlanes * price_of(Work::kPlane) +
+                               3 * price_of(Work::kContact));
 
   static DeviceDescription three_motors() {
     DeviceDescription device;
