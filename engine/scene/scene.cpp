@@ -161,7 +161,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
                  "no node has a triangle with area; expected at least one",
                  left_out ? statistics.warnings[reader_warnings] : std::string()};
   }
-  const std::vector<Box> boxes = bounding_boxes(scene.welded_);
+  std::vector<Box> boxes = bounding_boxes(scene.welded_);
   Box bounds = bounds_in_scene(scene.welded_, boxes, description.nodes);
   statistics.scale = settings.fit_size_m > 0.0
                          ? settings.fit_size_m / (bounds.high - bounds.low).maxCoeff()
@@ -182,6 +182,10 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
       {scene.materials_, scene.physics_materials_, scene.haptic_materials_, description.images,
        &description.scene_parameters, description.regions, statistics.scale},
       scene.parts_);
+  if (auto error =
+          scene.conform_nodes(description.nodes, boxes, bounds, settings, effects)) {
+    return with_path(*error, description.path);
+  }
   if (auto error = scene.add_surfaces(description.nodes, placements, boxes, settings.proxy_radius_m,
                                       effects)) {
     return with_path(*error, description.path);
