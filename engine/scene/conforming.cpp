@@ -33,6 +33,12 @@ constexpr int kTurnsPerPass = 4;  // among the faces that one place lies on
 // A place is where it should be if it moves less than this part of kOverlapPerStandOff.
 constexpr double kSettledPerOverlap = 0x1p-6;
 
+// Bounds the distance between a position and the one that to_mesh() and vertex() give for it, in
+// units of the unit roundoff times |L| |v| + |t|. For each of the two functions, 5 for three
+// products and their sums, 1 for the translation relative to the anchor, 1 for adding it. A vertex
+// as near as that to its place is not moved.
+constexpr double kRoundoffOfPlace = 14 * 0x1p-53;
+
 // The edge of a surface that is divided at a place.
 struct DividedEdge {
   std::uint32_t surface;
@@ -336,7 +342,7 @@ class Conformer {
       const Place& place = places_[placed.place];
       if (!is_real(place)) continue;
       if (place.is_shared()) made.met.push_back(placed.vertex);
-      if (place.position_m == given(s, placed.vertex)) continue;
+      if ((place.position_m - given(s, placed.vertex)).norm() <= surfaces_[s].rounding_m) continue;
       made.changes.moved.push_back({placed.vertex, surfaces_[s].to_mesh(place.position_m)});
     }
   }
@@ -408,8 +414,13 @@ std::vector<PlacedSurface> touching(std::span<const Box> boxes,
     const Mat3& linear = nodes[s]->linear_scene_mesh;
     const Mat3 inverse = linear.inverse();
     if (!inverse.allFinite()) continue;
-    placed.push_back({s, nodes[s]->mesh, linear, inverse,
-                      nodes[s]->translation_m - settings.anchor_scene_m, bounds_m[s], boxes_m[s]});
+    const Vec3 translation_m = nodes[s]->translation_m - settings.anchor_scene_m;
+    const Box& box = boxes[nodes[s]->mesh];
+    const Vec3 reach_m = box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
+    const double terms_m = linear.colwise().norm().dot(reach_m) + translation_m.norm() +
+                           nodes[s]->translation_m.norm();
+    placed.push_back({s, nodes[s]->mesh, linear, inverse, translation_m,
+                      kRoundoffOfPlace * terms_m, bounds_m[s], boxes_m[s]});
   }
   return placed;
 }

@@ -24,6 +24,7 @@ struct PlacedSurface {
   Mat3 linear;   // from the mesh frame to the solver frame
   Mat3 inverse;  // of `linear`
   Vec3 translation_m;
+  double rounding_m;  // of vertex() and to_mesh()
   double bound_m;  // on the error of its vertices, see float_rounding_m()
   Box box_m;       // around its vertices, enlarged by the largest distance of surfaces that meet
 

@@ -179,7 +179,7 @@ class Scene {
   std::optional<Error> change_nodes(std::vector<ConformingSurface>& surfaces,
                                     std::span<const std::uint32_t> solid,
                                     std::vector<NodeDescription>& nodes, std::vector<Box>& boxes);
-  void report_conforming(const Conforming& made);
+  void report_conforming(const Conforming& made, std::size_t divided_edges);
   AffineMap map_body_mesh(const IndexUse& use) const;
   std::optional<Error> build_world(const Box& bounds_scene,
                                    const std::vector<NodeDescription>& nodes,
@@ -209,6 +209,7 @@ class Scene {
   std::vector<IndexUse> use_of_object_;
   // The vertices of nodes that meet those of other nodes; only during compile().
   std::map<std::uint32_t, std::vector<std::uint32_t>> met_of_node_;
+  std::vector<bool> is_changed_;  // per node; only during compile()
   std::size_t file_meshes_ = 0;  // the first of welded_, without copies for changed nodes
   std::vector<std::uint32_t> node_of_object_;  // index into the description, only during compile()
   std::vector<std::size_t> material_set_of_object_;  // only during compile()

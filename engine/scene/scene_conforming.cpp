@@ -14,6 +14,10 @@ namespace {
 // Copies for changed nodes may use this part of the memory that the other surfaces leave.
 constexpr std::uint64_t kOneInMemory = 2;
 
+// A divided edge bends the faces beside it, by up to the distance that was closed. The next round
+// finds what lies on these faces.
+constexpr int kMostRounds = 4;
+
 Box box_around(std::span<const Vec3> positions) {
   Box box = Box::empty();
   for (const Vec3& p : positions) box = box.united({p, p});
@@ -99,13 +103,25 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
   described.reserve(solid->size());
   for (const std::uint32_t i : *solid) described.push_back(&nodes[i]);
   const Vec3 middle_m = 0.5 * (bounds.low + bounds.high);
-  Result<Conforming> made =
-      conform(welded_, boxes, described,
-              {middle_m, statistics_.extent_m.maxCoeff(), settings.close_gaps_m}, *ledger_);
-  if (!made) return made.error();
-  if (auto error = change_nodes(made->surfaces, *solid, nodes, boxes)) return error;
-  report_conforming(*made);
+  is_changed_.assign(nodes.size(), false);
+  std::size_t divided_edges = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    Result<Conforming> made =
+        conform(welded_, boxes, described,
+                {middle_m, statistics_.extent_m.maxCoeff(), settings.close_gaps_m}, *ledger_);
+    if (!made) return made.error();
+    const bool changes = std::any_of(
+        made->surfaces.begin(), made->surfaces.end(),
+        [](const ConformingSurface& surface) { return !surface.changes.empty(); });
+    if (auto error = change_nodes(made->surfaces, *solid, nodes, boxes)) return error;
+    divided_edges += made->divided_edges;
+    report_conforming(*made, divided_edges);
+    if (!changes) break;
+  }
   effects.set_meshes(parts_);
+  statistics_.changed_nodes =
+      static_cast<std::size_t>(std::count(is_changed_.begin(), is_changed_.end(), true));
+  is_changed_ = {};
   if (statistics_.changed_nodes > 0) bounds = bounds_in_scene(welded_, boxes, nodes);
   return std::nullopt;
 }
@@ -115,6 +131,7 @@ std::optional<Error> Scene::change_nodes(std::vector<ConformingSurface>& surface
                                          std::span<const std::uint32_t> solid,
                                          std::vector<NodeDescription>& nodes,
                                          std::vector<Box>& boxes) {
+  met_of_node_.clear();
   std::vector<std::uint32_t> users(welded_.size(), 0);
   for (const NodeDescription& node : nodes) ++users[node.mesh];
   std::uint64_t others = 0;
@@ -160,7 +177,7 @@ std::optional<Error> Scene::change_nodes(std::vector<ConformingSurface>& surface
     parts_[node.mesh].follow(own, first_triangles);
     boxes[node.mesh] = box_around(own.positions());
     met_of_node_[n] = numbers_of(met, own);
-    ++statistics_.changed_nodes;
+    is_changed_[n] = true;
     surface = {};  // frees the changes
   }
   if (left_count > 0) {
@@ -174,8 +191,8 @@ std::optional<Error> Scene::change_nodes(std::vector<ConformingSurface>& surface
   return std::nullopt;
 }
 
-void Scene::report_conforming(const Conforming& made) {
-  statistics_.divided_edges = made.divided_edges;
+void Scene::report_conforming(const Conforming& made, std::size_t divided_edges) {
+  statistics_.divided_edges = divided_edges;
   statistics_.apart_vertices = made.apart;
   statistics_.least_apart_m = made.least_apart_m;
   statistics_.most_apart_m = made.most_apart_m;
