@@ -155,6 +155,7 @@ std::vector<std::string> options_of_run(const SceneOptions& scene) {
   add("--node", scene.node);
   add_number("--scale", scene.scale);
   add_number("--fit", scene.fit_size_m);
+  add_number("--close-gaps", scene.close_gaps_m);
   if (!scene.scale && !scene.fit_size_m) add("--fit", "auto");
   add("--pose", scene.pose);
   for (const std::string& material : scene.materials) add("--material", material);

@@ -59,7 +59,7 @@ class InfoCommand final : public Command {
 };
 
 int InfoCommand::run(const std::vector<std::string>&) {
-  const Result<Scene> scene = load_scene(scene_, 0.0);
+  const Result<Scene> scene = load_scene(scene_, 0.0, true);
   if (!scene) return refuse(scene.error());
   if (json_) {
     print(list_ ? tree_json(*scene) : scene_json(*scene));

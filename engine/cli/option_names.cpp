@@ -16,6 +16,7 @@ constexpr OptionName kOptionNames[] = {
     {"SceneSettings", "scale", "--scale"},
     {"SceneSettings", "fit_size_m", "--fit"},
     {"SceneSettings", "pose", "--pose"},
+    {"SceneSettings", "close_gaps_m", "--close-gaps"},
     {"SceneSettings", "overrides", "--material"},
     {"SceneSettings", "max_memory_bytes", "--max-memory"},
     {"RunSettings", "sensors", "--sensors"},

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/accuracy/advice.h"
 #include "engine/cli/effects_report.h"
 #include "engine/cli/formatted.h"
 #include "engine/cli/option_names.h"
@@ -223,6 +224,22 @@ std::string animations_text(const SceneStatistics& s) {
   return text;
 }
 
+ordered_json joins_json(const JoinStatistics& joins) {
+  return {{"edges", joins.joined_edges},
+          {"vertices", joins.joined_vertices},
+          {"divided_edges", joins.divided_edges},
+          {"ambiguous_edges", joins.ambiguous_edges}};
+}
+
+// What is still open, and what would join it.
+std::string open_edges_text(const SceneStatistics& s) {
+  if (s.cleaning.boundary_edges == 0) return {};
+  if (!s.nearest_gap_m) return "  open edges: no two of them are near each other\n";
+  const std::string gap = shortest_digits(*s.nearest_gap_m);
+  return "  open edges: the nearest two are " + gap + " m apart; --close-gaps " + gap +
+         " joins them\n";
+}
+
 }  // namespace
 
 ordered_json scene_json(const Scene& scene) {
@@ -242,6 +259,9 @@ ordered_json scene_json(const Scene& scene) {
           {"split_vertices", s.cleaning.split_vertices},
           {"boundary_edges", s.cleaning.boundary_edges},
           {"non_manifold_edges", s.cleaning.non_manifold_edges},
+          {"joined", joins_json(s.rounding_joins)},
+          {"gaps_joined", joins_json(s.gap_joins)},
+          {"nearest_gap_m", s.nearest_gap_m ? ordered_json(*s.nearest_gap_m) : ordered_json()},
           {"extent_m", {s.extent_m.x(), s.extent_m.y(), s.extent_m.z()}},
           {"bounding_box", box_json(s.bounds_scene)},
           {"contours", contours_json(scene)},
@@ -332,6 +352,7 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
     json["exceeds_workspace"] = run.exceeds_workspace;
     json["way_share"] = run.way_share;
     json["near_m"] = run.near_m;
+    if (!run.contour_scene_m.empty()) json["contour_closed"] = !run.is_open_contour;
   }
   json["longest_gap_ticks"] = run.summary.longest_gap_ticks;
   json["contact_share"] = run.summary.contact_share();
@@ -369,6 +390,7 @@ std::string scene_text(const std::string& path, const Scene& scene) {
       formatted("  vertices %zu, split for OpenMesh %zu\n", c.welded_vertices, c.split_vertices);
   text += formatted("  edges: %zu on a boundary, %zu non-manifold\n", c.boundary_edges,
                     c.non_manifold_edges);
+  text += open_edges_text(s);
   text +=
       formatted("  extent %.6g x %.6g x %.6g m\n", s.extent_m.x(), s.extent_m.y(), s.extent_m.z());
   text += "  bounding box " + vector_text(s.bounds_scene.low) + " to " +
@@ -436,6 +458,11 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
       "(1) work on the hand of motors on all sensed axes, minus the work of the actual motors\n"
       "(2) energy that the device returned to the hand; negative: the hand put energy in\n";
   text += chosen_pose_text(scene, "");
+  if (runs.front().is_open_contour) {
+    text +=
+        "! the contour is open: it ends at the boundary of the surface, and the hand followed no "
+        "other curve; palpate info says how far apart open edges are\n";
+  }
   bool exceeds = false;
   for (const ExplorationRun& run : runs) exceeds = exceeds || run.exceeds_workspace;
   if (exceeds) {

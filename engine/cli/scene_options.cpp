@@ -1,6 +1,7 @@
 #include "engine/cli/scene_options.h"
 
 #include <cmath>
+#include <iostream>
 #include <sstream>
 #include <utility>
 
@@ -44,6 +45,9 @@ void add_scene(CLI::App& app, SceneOptions& scene, bool is_required) {
                  "number that "
                  "info prints [the file's rest pose]")
       ->group(kSceneGroup);
+  add_real(app, "--close-gaps", scene.close_gaps_m, kAboveZero,
+           "join open edges of a mesh that are at most this far apart, m; info prints how far")
+      ->group(kSceneGroup);
   app.add_option("--material", scene.materials,
                  "NAME.key=value: replace a value of a material in the file; may be repeated")
       ->expected(1)
@@ -59,6 +63,7 @@ Result<SceneSettings> scene_settings_of(const SceneOptions& options, double prox
   settings.proxy_radius_m = proxy_radius_m;
   settings.node = options.node;
   settings.pose = options.pose;
+  settings.close_gaps_m = options.close_gaps_m.value_or(0.0);
   if (options.scale && options.fit_size_m) {
     return invalid_argument("--fit", "is used together with --scale; use one of them");
   }
@@ -79,10 +84,18 @@ Result<SceneSettings> scene_settings_of(const SceneOptions& options, double prox
   return settings;
 }
 
-Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m) {
-  const auto settings = scene_settings_of(options, proxy_radius_m);
+Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m, bool measures_gaps) {
+  auto settings = scene_settings_of(options, proxy_radius_m);
   if (!settings) return settings.error();
-  return Scene::load(options.path, *settings);
+  settings->measures_gaps = measures_gaps;
+  auto scene = Scene::load(options.path, *settings);
+  if (scene && options.close_gaps_m) {
+    const JoinStatistics& joins = scene->statistics().gap_joins;
+    std::cerr << "palpate: --close-gaps joined " << joins.joined_edges << " pairs of edges and "
+              << joins.joined_vertices << " vertices; " << joins.ambiguous_edges
+              << " edges stay open because they meet several others\n";
+  }
+  return scene;
 }
 
 Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run) {

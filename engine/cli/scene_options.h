@@ -22,6 +22,7 @@ struct SceneOptions {
   std::optional<double> fit_size_m;
   bool fits_workspace = false;  // --fit auto: scale to the workspace if the scene does not fit
   std::string pose;             // "NAME@SECONDS"; empty: rest pose
+  std::optional<double> close_gaps_m;
   std::vector<std::string> materials;  // "NAME.key=value" each
   std::string max_memory;              // "500M"; empty: half of the free memory
 };
@@ -31,8 +32,10 @@ void add_scene(CLI::App& app, SceneOptions& scene, bool is_required = true);
 // Checks the options. An error names the option.
 Result<SceneSettings> scene_settings_of(const SceneOptions& options, double proxy_radius_m);
 
-// Checks the options and loads the scene. An error names the option.
-Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m);
+// Checks the options and loads the scene. An error names the option. With --close-gaps, writes a
+// line about what was joined to the standard error.
+Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m,
+                         bool measures_gaps = false);
 
 // Checks the options and loads the scene for a session. Also returns an error if an effect needs a
 // higher tick rate, for example a vibration whose frequency is half of the tick rate or more.

@@ -203,6 +203,26 @@ class MetaReader {
 // The key exists only for kForward, so that other recordings have the keys that they had before.
 constexpr const char* kAlignKey = "a4.align";
 
+// Recordings of before have neither key: their scenes were loaded without joining what meets within
+// the rounding of the file, and must be loaded like that again.
+constexpr const char* kJoinsKey = "scene.joins_within_rounding";
+constexpr const char* kGapsKey = "scene.close_gaps_m";
+
+void write_joins(const SceneSettings& scene, MetaWriter& writer) {
+  writer(kJoinsKey, scene.joins_within_rounding);
+  if (scene.close_gaps_m > 0.0) writer(kGapsKey, scene.close_gaps_m);
+}
+
+void read_joins(MetaReader& reader, SceneSettings& scene) {
+  scene.joins_within_rounding = false;
+  if (reader.has(kJoinsKey)) reader(kJoinsKey, scene.joins_within_rounding);
+  if (!reader.has(kGapsKey)) return;
+  reader(kGapsKey, scene.close_gaps_m);
+  if (!(scene.close_gaps_m > 0.0) || !std::isfinite(scene.close_gaps_m)) {
+    reader.fail(kGapsKey, "is not above 0");
+  }
+}
+
 void write_align(HapticSettings& settings, MetaWriter& writer) {
   if (settings.a4.align == Alignment::kNearest) return;
   writer(kAlignKey, Choice<Alignment>{settings.a4.align, Alignment::kForward});
@@ -374,6 +394,7 @@ Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup) {
   std::error_code failed;
   meta["scene.place"] = fs::absolute(setup.scene_path, failed).string();
   meta["scene.overrides"] = overrides_json(setup.scene.overrides);
+  write_joins(copy.scene, writer);
   write_actuation(setup.actuation, writer);
   writer("files", files->size());
   for (std::size_t i = 0; i < files->size(); ++i) {
@@ -409,6 +430,7 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
   std::string overrides;
   reader("scene.overrides", overrides);
   session.setup.scene.overrides = overrides_of("scene.overrides", overrides, reader);
+  read_joins(reader, session.setup.scene);
   read_actuation(reader, session.setup.actuation);
   read_files(reader, session.files);
   if (!reader.has("device.name")) {

@@ -146,7 +146,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
   SceneStatistics& statistics = scene.statistics_;
   scene.take_declarations(description);
   const auto mesh_start = std::chrono::steady_clock::now();
-  if (auto error = scene.weld_meshes(description.meshes)) {
+  if (auto error = scene.weld_meshes(description.meshes, settings.joins_within_rounding)) {
     return with_path(*error, description.path);
   }
   statistics.mesh_ms = milliseconds_since(mesh_start);
@@ -176,6 +176,16 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
     return with_path(*error, description.path);
   }
   if (auto error = refuse_extent(statistics.extent_m)) return with_path(*error, description.path);
+  if (auto error = scene.close_gaps(description.nodes, settings)) {
+    return with_path(*error, description.path);
+  }
+  if (scene.statistics_.gap_joins.joined_vertices > 0) {
+    boxes = bounding_boxes(scene.welded_);
+    bounds = bounds_in_scene(scene.welded_, boxes, description.nodes);
+    statistics.bounds_scene = bounds;
+    statistics.extent_m = bounds.high - bounds.low;
+  }
+  scene.take_parts(description.meshes);
   scene.tree_ = std::move(description.tree);
   scene.take_contours(description.contours);
   SceneEffects effects(

@@ -21,6 +21,7 @@
 #include "geometry/base/memory_ledger.h"
 #include "geometry/base/result.h"
 #include "geometry/index/surface_index.h"
+#include "geometry/mesh/boundary_joins.h"
 #include "geometry/mesh/surface_mesh.h"
 #include "haptics/proxy/contact_world.h"
 #include "io/scene_description.h"
@@ -44,8 +45,18 @@ struct SceneSettings {
   // If > 0, boundaries of a mesh that are at most this far apart are joined, too. Metres in the
   // scene frame, after scaling; less than the extent of the scene.
   double close_gaps_m = 0.0;
+  // Whether SceneStatistics::nearest_gap_m is measured, which takes time if boundaries are long.
+  bool measures_gaps = false;
   // Limit on the memory used for loading; 0: half of the free memory (memory_budget.h).
   std::uint64_t max_memory_bytes = 0;
+};
+
+// What was joined at the boundaries of all meshes (boundary_joins.h).
+struct JoinStatistics {
+  std::size_t joined_edges = 0;     // pairs of boundary edges
+  std::size_t joined_vertices = 0;  // replaced by other vertices
+  std::size_t divided_edges = 0;    // at vertices that lie on them
+  std::size_t ambiguous_edges = 0;  // stay open because they meet several others
 };
 
 // The numbers that `palpate info` prints. Triangles are counted once per mesh, except for
@@ -54,7 +65,12 @@ struct SceneStatistics {
   std::size_t nodes = 0;
   std::size_t meshes = 0;
   std::size_t instances = 0;
-  CleaningReport cleaning;              // summed over meshes
+  CleaningReport cleaning;        // summed over meshes
+  JoinStatistics rounding_joins;  // within the rounding of the file
+  JoinStatistics gap_joins;       // SceneSettings::close_gaps_m
+  // The smallest close_gaps_m that joins two boundary edges that are still open. No value if it was
+  // not measured, or if no two edges are closer than a tenth of the scene's extent.
+  std::optional<double> nearest_gap_m;
   std::size_t instanced_triangles = 0;  // summed over nodes
   std::size_t indices = 0;              // number of indices built (shared_indices.h)
   std::size_t seam_vertices = 0;        // vertices joined with vertices of other nodes (seams.h)
@@ -164,7 +180,14 @@ class Scene {
                                MemoryLedger& ledger);
   void take_declarations(SceneDescription& description);
   void take_contours(std::vector<ContourDescription>& contours);
-  std::optional<Error> weld_meshes(std::vector<MeshDescription>& descriptions);
+  std::optional<Error> weld_meshes(std::vector<MeshDescription>& descriptions,
+                                   bool joins_within_rounding);
+  std::optional<Error> join_boundaries(const std::vector<GapLimit>& limits, JoinStatistics& joins);
+  std::optional<Error> join_within_rounding();
+  std::optional<Error> close_gaps(const std::vector<NodeDescription>& nodes,
+                                  const SceneSettings& settings);
+  void report_gaps(double gap_m);
+  void take_parts(std::vector<MeshDescription>& descriptions);
   std::optional<Error> take_places(const std::vector<NodeDescription>& nodes);
   std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
   std::optional<Error> add_surfaces(const std::vector<NodeDescription>& nodes,

@@ -44,11 +44,16 @@ void add(CleaningReport& sum, const CleaningReport& report) {
   sum.split_vertices += report.split_vertices;
   sum.boundary_edges += report.boundary_edges;
   sum.non_manifold_edges += report.non_manifold_edges;
+  sum.joined_edges += report.joined_edges;
+  sum.joined_vertices += report.joined_vertices;
+  sum.divided_edges += report.divided_edges;
+  sum.added_triangles += report.added_triangles;
 }
 
 }  // namespace
 
-std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptions) {
+std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptions,
+                                        bool joins_within_rounding) {
   std::size_t triangles = 0;
   std::vector<MemoryNeed> needs;
   std::size_t largest = 0;
@@ -64,14 +69,21 @@ std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptio
   file_meshes_ = welded_.size();
   run_meshes(descriptions.size(), triangles, [&](std::size_t i) {
     MeshDescription& mesh = descriptions[i];
-    welded_[i] = WeldedSurface(std::move(mesh.positions),
-                               has_uv(mesh) ? mesh.triangles : std::move(mesh.triangles));
+    auto given = has_uv(mesh) ? mesh.triangles : std::move(mesh.triangles);
+    welded_[i] = joins_within_rounding ? WeldedSurface::with_unused_positions(
+                                             std::move(mesh.positions), std::move(given))
+                                       : WeldedSurface(std::move(mesh.positions), std::move(given));
+    mesh.positions = std::vector<Vec3>();
   });
+  return joins_within_rounding ? join_within_rounding() : std::nullopt;
+}
+
+// Compiles the parts of the meshes, whose faces must not change any more.
+void Scene::take_parts(std::vector<MeshDescription>& descriptions) {
   for (std::size_t i = 0; i < descriptions.size(); ++i) {
     parts_.emplace_back(welded_[i], std::move(descriptions[i]));
     descriptions[i] = {};  // frees the data that is now compiled
   }
-  return std::nullopt;
 }
 
 // The memory of the triangles by slot, for the indices of bodies with seams.

@@ -53,6 +53,7 @@ void measure_coverage(PlannedHand hand, double largest_extent_m, double proxy_ra
   run.near_m = std::max(kNearWay_m, kNearWayShare * largest_extent_m) + proxy_radius_m;
   if (!hand.contour_m.empty()) {
     run.contour_scene_m = std::move(hand.contour_m);
+    run.is_open_contour = hand.is_open_contour;
     CurveCoverage coverage(run.contour_scene_m, run.near_m);
     const std::size_t late = late_tick(run);
     for (std::size_t n = 0; n < late; ++n) coverage.add(vec3(run.records[n].proxy_scene_m));

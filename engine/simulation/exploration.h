@@ -42,6 +42,7 @@ struct ExplorationRun {
   // Coverage: the share of the contour's length, or of the places, that the proxy approached to
   // within near_m.
   double way_share = 0.0;
+  bool is_open_contour = false;  // PlannedHand
   double late_way_share = 0.0;  // the part of way_share covered in the last fifth of the run
   double near_m = 0.0;
   double proxy_radius_m = 0.0;

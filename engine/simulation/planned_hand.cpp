@@ -53,6 +53,7 @@ Result<PlannedHand> plan_contour(const Scene& scene, const RunSetup& setup,
   }
   PlannedHand hand = hand_on(std::move(path), facts, plan);
   hand.contour_m = std::move(contour);
+  hand.is_open_contour = !followed.curve.closed;
   return hand;
 }
 

@@ -29,6 +29,7 @@ struct PlannedHand {
   // places, points at equal distances along the whole path, reached or not. Scene frame.
   std::vector<Vec3> contour_m;
   std::vector<Vec3> places_m;
+  bool is_open_contour = false;  // the contour has two ends, at the boundary of the surface
 };
 
 // With 2 sensors the hand follows the longest outline of the section at the plane height; with 3

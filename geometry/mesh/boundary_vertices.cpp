@@ -1,7 +1,6 @@
 #include "geometry/mesh/boundary_vertices.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -10,29 +9,44 @@ namespace {
 
 using VertexPair = std::pair<std::uint32_t, std::uint32_t>;  // vertices, the lower one first
 
-// One edge for every half-edge without an aligned mate. An edge with three faces, or with two
-// misaligned faces, is listed once for each face.
-std::vector<VertexPair> unmatched_edges(const WeldedSurface& surface) {
-  std::vector<VertexPair> edges;
-  for (std::uint32_t h = 0; h < surface.mates().aligned.size(); ++h) {
-    if (surface.mates().aligned[h] != kNoHalfEdge) continue;
-    const Triangle& face = surface.faces()[h / 3];
-    edges.push_back(std::minmax(face[h % 3], face[next_half_edge(h) % 3]));
-  }
+VertexPair ends_of(const WeldedSurface& surface, std::uint32_t h) {
+  const Triangle& face = surface.faces()[h / 3];
+  return std::minmax({face[h % 3], face[next_half_edge(h) % 3]});
+}
+
+// An edge with three faces, or with two misaligned faces, has several half-edges without a mate.
+void drop_edges_of_several_faces(const WeldedSurface& surface,
+                                 std::vector<std::uint32_t>& half_edges) {
+  std::vector<std::pair<VertexPair, std::uint32_t>> edges;
+  edges.reserve(half_edges.size());
+  for (const std::uint32_t h : half_edges) edges.emplace_back(ends_of(surface, h), h);
   std::sort(edges.begin(), edges.end());
-  return edges;
+  half_edges.clear();
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const bool is_alone = (i == 0 || edges[i - 1].first != edges[i].first) &&
+                          (i + 1 == edges.size() || edges[i + 1].first != edges[i].first);
+    if (is_alone) half_edges.push_back(edges[i].second);
+  }
+  std::sort(half_edges.begin(), half_edges.end());
 }
 
 }  // namespace
 
+std::vector<std::uint32_t> boundary_half_edges(const WeldedSurface& surface) {
+  std::vector<std::uint32_t> half_edges;
+  if (surface.report().boundary_edges == 0) return half_edges;
+  for (std::uint32_t h = 0; h < surface.mates().aligned.size(); ++h) {
+    if (surface.mates().aligned[h] == kNoHalfEdge) half_edges.push_back(h);
+  }
+  if (surface.report().non_manifold_edges > 0) drop_edges_of_several_faces(surface, half_edges);
+  return half_edges;
+}
+
 std::vector<std::uint32_t> boundary_vertices(const WeldedSurface& surface) {
   std::vector<std::uint32_t> vertices;
-  if (surface.report().boundary_edges == 0) return vertices;
-  const std::vector<VertexPair> edges = unmatched_edges(surface);
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const bool is_alone =
-        (i == 0 || edges[i - 1] != edges[i]) && (i + 1 == edges.size() || edges[i + 1] != edges[i]);
-    if (is_alone) vertices.insert(vertices.end(), {edges[i].first, edges[i].second});
+  for (const std::uint32_t h : boundary_half_edges(surface)) {
+    const auto [a, b] = ends_of(surface, h);
+    vertices.insert(vertices.end(), {a, b});
   }
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());

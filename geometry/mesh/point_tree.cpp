@@ -11,7 +11,7 @@ PointTree::PointTree(std::vector<Vec3> points)
   // A balanced tree whose leaves have more than half of kLeaf points.
   std::size_t nodes = 2;
   while (nodes * (kLeaf / 2) < 2 * points_.size()) nodes *= 2;
-  axis_.assign(nodes, 0);
+  cuts_.resize(nodes);
   divide(root());
 }
 
@@ -23,12 +23,12 @@ void PointTree::divide(const Node& node) {
   }
   int axis = 0;
   (box.high - box.low).maxCoeff(&axis);
-  axis_[node.number] = static_cast<std::uint8_t>(axis);
   const auto at = [&](std::uint32_t i) { return order_.begin() + i; };
   std::nth_element(at(node.begin), at(node.middle()), at(node.end),
                    [&](std::uint32_t i, std::uint32_t j) {
                      return std::pair(points_[i][axis], i) < std::pair(points_[j][axis], j);
                    });
+  cuts_[node.number] = {points_[order_[node.middle()]][axis], axis};
   divide(node.low());
   divide(node.high());
 }

@@ -22,8 +22,8 @@ class PointTree {
   // The number of a point is its place in `points`. O(n log n).
   explicit PointTree(std::vector<Vec3> points);
 
-  static std::uint64_t bytes(std::size_t points) {
-    return points * (sizeof(Vec3) + sizeof(std::uint32_t) + 1) + 64;
+  static constexpr std::uint64_t bytes(std::size_t points) {
+    return points * (sizeof(Vec3) + sizeof(std::uint32_t) + sizeof(Cut)) + 64;
   }
 
   const Vec3& point(std::uint32_t number) const { return points_[number]; }
@@ -57,9 +57,14 @@ class PointTree {
     Vec3 start, along, margin;
   };
 
+  // The plane at which an inner node is divided.
+  struct Cut {
+    double at = 0.0;
+    int axis = 0;
+  };
+
   Node root() const { return {1, 0, static_cast<std::uint32_t>(order_.size())}; }
   void divide(const Node& node);
-  double cut(const Node& node) const { return points_[order_[node.middle()]][axis_[node.number]]; }
 
   template <typename Visit>
   bool visit_box(const Node& node, const Box& box, const Visit& visit) const {
@@ -69,9 +74,9 @@ class PointTree {
       }
       return true;
     }
-    const int axis = axis_[node.number];
-    if (box.low[axis] <= cut(node) && !visit_box(node.low(), box, visit)) return false;
-    return !(box.high[axis] >= cut(node)) || visit_box(node.high(), box, visit);
+    const Cut& cut = cuts_[node.number];
+    if (box.low[cut.axis] <= cut.at && !visit_box(node.low(), box, visit)) return false;
+    return !(box.high[cut.axis] >= cut.at) || visit_box(node.high(), box, visit);
   }
 
   // from, to: the part of the segment that may be near the node's points.
@@ -84,10 +89,10 @@ class PointTree {
       }
       return true;
     }
-    const int axis = axis_[node.number];
-    const double start = segment.start[axis] - cut(node);
-    const double along = segment.along[axis];
-    const double margin = segment.margin[axis];
+    const Cut& cut = cuts_[node.number];
+    const double start = segment.start[cut.axis] - cut.at;
+    const double along = segment.along[cut.axis];
+    const double margin = segment.margin[cut.axis];
     // Where the segment reaches the margin on the far side of the cut.
     const auto clipped = [&](double height, double sign, double& low, double& high) {
       // Keeps the places t with sign * (start + t * along) <= height.
@@ -113,7 +118,7 @@ class PointTree {
 
   std::vector<Vec3> points_;
   std::vector<std::uint32_t> order_;  // the numbers of the points, node by node
-  std::vector<std::uint8_t> axis_;    // of each inner node
+  std::vector<Cut> cuts_;             // by the number of the inner node
 };
 
 }  // namespace palpate
