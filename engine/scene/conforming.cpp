@@ -23,8 +23,8 @@ constexpr double kOverlapPerStandOff = 0.0625;
 // vertices that could be told apart.
 constexpr double kMostBoundPerSize = 0x1p-8;
 
-// Size of a grid cell, in units of the largest distance of joined vertices.
-constexpr double kCellPerJoin = 64.0;
+// Size of a grid cell, in units of the largest distance of joined vertices. Queries need two.
+constexpr double kCellPerMeeting = 4.0;
 
 // Moves of places until all lie on their edges and faces. Each pass takes the moves of the places
 // at the ends of an edge, or at the corners of a face, to the places on it.
@@ -51,10 +51,10 @@ struct FaceBelow {
 };
 
 // A position at which surfaces meet.
-struct Place {
+struct MeetingPlace {
   Vec3 position_m;
-  Vec3 first_m;         // before it was moved to edges and faces
-  std::uint32_t first;  // the surface that gave first_m
+  Vec3 first_m;                            // before it was moved to edges and faces
+  std::uint32_t first;                     // the surface that gave first_m
   std::vector<std::uint32_t> vertices_of;  // surfaces, ascending; one vertex of each
   std::vector<DividedEdge> edges;
   std::vector<FaceBelow> faces;
@@ -142,7 +142,7 @@ class Conformer {
     for (const PlacedSurface& s : surfaces_) {
       widest_m_ = std::max(widest_m_, search_.joins_within_m(s.number, s.number));
     }
-    grid_.emplace(kCellPerJoin * widest_m_, all.size() + meetings_.crossings.size());
+    grid_.emplace(kCellPerMeeting * widest_m_, all.size() + meetings_.crossings.size());
     for (auto begin = all.begin(); begin != all.end();) {
       const auto end = std::find_if(
           begin, all.end(), [&](const SurfaceVertex& v) { return v.first != begin->first; });
@@ -178,9 +178,8 @@ class Conformer {
       if (is_joined[c]) continue;
       own.push_back({vertices[c].second, add_place(given(s, vertices[c].second), s, {s})});
     }
-    std::sort(own.begin(), own.end(), [](const PlacedVertex& a, const PlacedVertex& b) {
-      return a.vertex < b.vertex;
-    });
+    std::sort(own.begin(), own.end(),
+              [](const PlacedVertex& a, const PlacedVertex& b) { return a.vertex < b.vertex; });
   }
 
   std::uint32_t add_place(const Vec3& position_m, std::uint32_t s,
@@ -249,7 +248,7 @@ class Conformer {
   void settle() {
     for (int pass = 0; pass < kMostPasses; ++pass) {
       double most_m = 0.0;
-      for (Place& place : places_) {
+      for (MeetingPlace& place : places_) {
         if (place.edges.empty() && place.faces.empty()) continue;
         const Vec3 p = on_faces(place, on_edge(place));
         most_m = std::max(most_m, (p - place.position_m).norm());
@@ -260,7 +259,7 @@ class Conformer {
   }
 
   // The nearest point of the edge with the lowest surface. Further edges at the place bend.
-  Vec3 on_edge(const Place& place) const {
+  Vec3 on_edge(const MeetingPlace& place) const {
     if (place.edges.empty()) return place.first_m;
     const auto edge = std::min_element(
         place.edges.begin(), place.edges.end(),
@@ -271,7 +270,7 @@ class Conformer {
     return from + along * d;
   }
 
-  Vec3 on_faces(const Place& place, Vec3 p) const {
+  Vec3 on_faces(const MeetingPlace& place, Vec3 p) const {
     for (int turn = 0; turn < kTurnsPerPass; ++turn) {
       bool is_moved = false;
       for (const FaceBelow& below : place.faces) {
@@ -300,7 +299,7 @@ class Conformer {
   std::vector<Division> divisions() const {
     std::vector<Division> all;
     for (std::uint32_t n = 0; n < places_.size(); ++n) {
-      const Place& place = places_[n];
+      const MeetingPlace& place = places_[n];
       if (!is_real(place)) continue;
       for (const DividedEdge& edge : place.edges) {
         const Vec3 from = start_of(edge.surface, edge.half_edge);
@@ -317,7 +316,9 @@ class Conformer {
   }
 
   // Whether surfaces are changed at a place, or meet in it.
-  static bool is_real(const Place& place) { return place.is_shared() || !place.faces.empty(); }
+  static bool is_real(const MeetingPlace& place) {
+    return place.is_shared() || !place.faces.empty();
+  }
 
   void collect() {
     const std::vector<Division> divided = divisions();
@@ -330,7 +331,7 @@ class Conformer {
       divide_edges(s, {first, next}, made);
       if (!made.changes.empty() || !made.met.empty()) result_.surfaces.push_back(std::move(made));
     }
-    for (const Place& place : places_) {
+    for (const MeetingPlace& place : places_) {
       if (place.vertices_of.size() < 2) continue;
       ++result_.joined_places;
       result_.joined_vertices += place.vertices_of.size();
@@ -339,7 +340,7 @@ class Conformer {
 
   void move_vertices(std::uint32_t s, ConformingSurface& made) const {
     for (const PlacedVertex& placed : of_surface_[s]) {
-      const Place& place = places_[placed.place];
+      const MeetingPlace& place = places_[placed.place];
       if (!is_real(place)) continue;
       if (place.is_shared()) made.met.push_back(placed.vertex);
       if ((place.position_m - given(s, placed.vertex)).norm() <= surfaces_[s].rounding_m) continue;
@@ -351,7 +352,7 @@ class Conformer {
     const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
     for (std::size_t i = 0; i < divided.size(); ++i) {
       const Division& d = divided[i];
-      const Place& place = places_[d.place];
+      const MeetingPlace& place = places_[d.place];
       const auto vertex = count + static_cast<std::uint32_t>(made.changes.added_m.size());
       made.changes.added_m.push_back(surfaces_[s].to_mesh(place.position_m));
       if (place.is_shared()) made.met.push_back(vertex);
@@ -379,8 +380,8 @@ class Conformer {
   const Meetings& meetings_;
   double overlap_m_;
   double widest_m_ = 0.0;  // the largest distance of surfaces that meet
-  std::vector<Place> places_;
-  std::optional<PointGrid> grid_;  // of the places
+  std::vector<MeetingPlace> places_;
+  std::optional<PointGrid> grid_;                      // of the places
   std::vector<std::vector<PlacedVertex>> of_surface_;  // ascending by vertex
   Conforming result_;
 };
@@ -419,8 +420,8 @@ std::vector<PlacedSurface> touching(std::span<const Box> boxes,
     const Vec3 reach_m = box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
     const double terms_m = linear.colwise().norm().dot(reach_m) + translation_m.norm() +
                            nodes[s]->translation_m.norm();
-    placed.push_back({s, nodes[s]->mesh, linear, inverse, translation_m,
-                      kRoundoffOfPlace * terms_m, bounds_m[s], boxes_m[s]});
+    placed.push_back({s, nodes[s]->mesh, linear, inverse, translation_m, kRoundoffOfPlace * terms_m,
+                      bounds_m[s], boxes_m[s]});
   }
   return placed;
 }
@@ -431,6 +432,8 @@ Result<Conforming> conform(const std::vector<WeldedSurface>& meshes, std::span<c
                            std::span<const NodeDescription* const> nodes,
                            const ConformingSettings& settings, MemoryLedger& ledger) {
   constexpr std::uint64_t kPerSurface = sizeof(Box) + sizeof(double) + sizeof(PlacedSurface);
+  // A place and its lists of surfaces, edges and faces; its entry in the grid; what it changes.
+  constexpr std::uint64_t kPerPlace = sizeof(MeetingPlace) + 256;
   if (nodes.size() < 2) return Conforming{};
   if (auto error = ledger.check(nodes.size() * kPerSurface)) return *error;
   const std::vector<PlacedSurface> surfaces = touching(boxes, nodes, settings);
@@ -438,12 +441,17 @@ Result<Conforming> conform(const std::vector<WeldedSurface>& meshes, std::span<c
   FlushSearch search(meshes, boxes, surfaces, settings.close_gaps_m, ledger);
   Result<Meetings> meetings = search.find();
   if (!meetings) return meetings.error();
-  Conforming made =
-      Conformer(meshes, surfaces, search, *meetings, settings.size_m).conform();
+  const std::uint64_t most_places = 2 * meetings->vertices.size() + meetings->on_edges.size() +
+                                    meetings->on_faces.size() + meetings->crossings.size();
+  if (!meetings->is_complete || ledger.check(most_places * kPerPlace)) {
+    Conforming none;
+    none.is_complete = false;
+    return none;
+  }
+  Conforming made = Conformer(meshes, surfaces, search, *meetings, settings.size_m).conform();
   made.apart = meetings->apart;
   made.least_apart_m = meetings->least_apart_m;
   made.most_apart_m = meetings->most_apart_m;
-  made.is_complete = meetings->is_complete;
   return made;
 }
 

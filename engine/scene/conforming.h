@@ -42,7 +42,8 @@ struct Conforming {
   std::size_t apart = 0;
   double least_apart_m = 0.0;
   double most_apart_m = 0.0;
-  bool is_complete = true;  // false: surfaces overlap too much to be searched, and none is listed
+  // False: surfaces overlap too much to be searched, or memory is short. Then none is listed.
+  bool is_complete = true;
 };
 
 // nodes: the nodes at rest, in ascending order of surfaces. boxes: of the meshes, mesh frame.

@@ -121,8 +121,7 @@ double float_rounding_m(const NodeDescription& node, const Vec3& reach_m) {
   const Vec3 columns =
       node.linear_scene_mesh.colwise().norm().transpose().cwiseMax(node.product.columns);
   const double vertex_m = columns.dot(reach_m);
-  const double terms_m =
-      vertex_m + std::max(node.product.translation_m, node.translation_m.norm());
+  const double terms_m = vertex_m + std::max(node.product.translation_m, node.translation_m.norm());
   const Mat3& linear = node.linear_scene_mesh;
   const bool is_turned = Mat3(linear.diagonal().asDiagonal()) != linear;
   const double factors = std::max<std::uint32_t>(node.product.factors, 1);
@@ -141,16 +140,14 @@ FlushSearch::FlushSearch(const std::vector<WeldedSurface>& meshes, std::span<con
       boxes_(boxes),
       surfaces_(surfaces),
       close_gaps_m_(close_gaps_m),
-      ledger_(ledger) {}
+      ledger_(ledger) {
+  std::uint64_t elements = surfaces.size();
+  for (const WeldedSurface& m : meshes) elements += m.face_count();
+  limit_ = kMostWork + kWorkPerElement * elements;
+}
 
 double FlushSearch::joins_within_m(std::uint32_t s, std::uint32_t other) const {
   return std::max(surfaces_[s].bound_m + surfaces_[other].bound_m, close_gaps_m_);
-}
-
-std::uint64_t FlushSearch::most_work() const {
-  std::uint64_t elements = surfaces_.size();
-  for (const WeldedSurface& m : meshes_) elements += m.face_count();
-  return kMostWork + kWorkPerElement * elements;
 }
 
 Result<Meetings> FlushSearch::find() {
@@ -160,50 +157,55 @@ Result<Meetings> FlushSearch::find() {
   boxes.reserve(surfaces_.size());
   for (const PlacedSurface& s : surfaces_) boxes.push_back(s.box_m);
   const OverlapTree tree(boxes);
-  const std::uint64_t limit = most_work();
   std::vector<std::uint32_t> others;
-  for (std::uint32_t a = 0; a < surfaces_.size() && work_ <= limit; ++a) {
+  for (std::uint32_t a = 0; a < surfaces_.size() && !gives_up(); ++a) {
     others.clear();
     tree.visit(boxes[a], work_, [&](std::uint32_t b) {
       if (b > a) others.push_back(b);
-      return work_ <= limit;
+      return !gives_up();
     });
     std::sort(others.begin(), others.end());
     for (const std::uint32_t b : others) {
-      if (work_ > limit) break;
-      if (auto error = search_pair(a, b)) return *error;
+      if (!gives_up()) search_pair(a, b);
     }
   }
-  if (work_ <= limit) return std::move(found_);
+  if (!gives_up()) return std::move(found_);
   Meetings none;
   none.is_complete = false;
   return none;
 }
 
-std::optional<Error> FlushSearch::make_features(std::uint32_t mesh) {
+bool FlushSearch::make_features(std::uint32_t mesh) {
   std::unique_ptr<MeshFeatures>& made = features_[mesh];
-  if (made) return std::nullopt;
+  if (made) return true;
   features_bytes_ += MeshFeatures::bytes(meshes_[mesh]);
-  if (auto error = ledger_.check(features_bytes_)) return error;
+  is_memory_short_ = ledger_.check(features_bytes_ + bytes_of_meetings()).has_value();
+  if (is_memory_short_) return false;
   const Box& box = boxes_[mesh];
   const Vec3 reach_m = box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
   made = std::make_unique<MeshFeatures>(meshes_[mesh], float_flatness_m(reach_m));
   work_ += meshes_[mesh].face_count();
-  return std::nullopt;
+  return true;
 }
 
-std::optional<Error> FlushSearch::search_pair(std::uint32_t a, std::uint32_t b) {
-  if (auto error = make_features(surfaces_[a].mesh)) return error;
-  if (auto error = make_features(surfaces_[b].mesh)) return error;
+std::uint64_t FlushSearch::bytes_of_meetings() const {
+  return found_.vertices.capacity() * sizeof(VertexOnVertex) +
+         found_.on_edges.capacity() * sizeof(VertexOnEdge) +
+         found_.on_faces.capacity() * sizeof(VertexOnFace) +
+         found_.crossings.capacity() * sizeof(EdgeOnEdge);
+}
+
+void FlushSearch::search_pair(std::uint32_t a, std::uint32_t b) {
+  if (!make_features(surfaces_[a].mesh) || !make_features(surfaces_[b].mesh)) return;
   const Box box_m = intersection(surfaces_[a].box_m, surfaces_[b].box_m);
   const std::vector<std::uint32_t> faces_a = faces_in(a, box_m);
   const std::vector<std::uint32_t> faces_b = faces_in(b, box_m);
-  if (faces_a.empty() || faces_b.empty()) return std::nullopt;
+  if (faces_a.empty() || faces_b.empty()) return;
   search_vertices(a, b, box_m, faces_a);
   search_vertices(b, a, box_m, faces_b);
   search_edges(a, b, box_m, faces_a);
   search_edges(b, a, box_m, faces_b);
-  return std::nullopt;
+  is_memory_short_ = ledger_.check(features_bytes_ + bytes_of_meetings()).has_value();
 }
 
 // A box in the mesh frame around a box in the solver frame.
@@ -217,10 +219,9 @@ Box FlushSearch::box_in_mesh(std::uint32_t s, const Box& box_m) const {
 // The faces whose boxes meet a box, ascending.
 std::vector<std::uint32_t> FlushSearch::faces_in(std::uint32_t s, const Box& box_m) {
   std::vector<std::uint32_t> faces;
-  const std::uint64_t limit = most_work();
   features(s).tree().visit(box_in_mesh(s, box_m), work_, [&](std::uint32_t f) {
     faces.push_back(f);
-    return work_ <= limit;
+    return !gives_up();
   });
   std::sort(faces.begin(), faces.end());
   return faces;
@@ -262,8 +263,7 @@ FlushSearch::Nearest FlushSearch::nearest(std::uint32_t other, const Vec3& p, do
 
 double FlushSearch::height(std::uint32_t other, std::uint32_t face, const Vec3& p) const {
   const Vec3 a = start_of(other, 3 * face);
-  const Vec3 normal =
-      (start_of(other, 3 * face + 1) - a).cross(start_of(other, 3 * face + 2) - a);
+  const Vec3 normal = (start_of(other, 3 * face + 1) - a).cross(start_of(other, 3 * face + 2) - a);
   return normal.dot(p - a) / normal.norm();
 }
 
@@ -305,10 +305,10 @@ void FlushSearch::search_vertices(std::uint32_t s, std::uint32_t other, const Bo
   }
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  const std::uint64_t limit = most_work();
   const double bound_m = joins_within_m(s, other);
   for (const std::uint32_t v : vertices) {
-    if (++work_ > limit) return;
+    ++work_;
+    if (gives_up()) return;
     const Vec3 p = position(s, v);
     if (!box_m.contains(p)) continue;
     const bool is_sharp = features(s).is_sharp_vertex(v);
@@ -333,7 +333,6 @@ void FlushSearch::search_vertices(std::uint32_t s, std::uint32_t other, const Bo
 
 void FlushSearch::search_edges(std::uint32_t s, std::uint32_t other, const Box& box_m,
                                std::span<const std::uint32_t> faces) {
-  const std::uint64_t limit = most_work();
   const auto is_first = [](const WeldedSurface& m, std::uint32_t h) {
     const std::uint32_t mate = m.mates().aligned[h];
     return mate == kNoHalfEdge || h < mate;
@@ -358,9 +357,9 @@ void FlushSearch::search_edges(std::uint32_t s, std::uint32_t other, const Box& 
           if (is_first(mesh(other), k)) cross(s, h, other, k);
         }
         work_ += 4;
-        return work_ <= limit;
+        return !gives_up();
       });
-      if (work_ > limit) return;
+      if (gives_up()) return;
     }
   }
 }
@@ -374,8 +373,7 @@ void FlushSearch::cross(std::uint32_t s, std::uint32_t half_edge, std::uint32_t 
                                    start_of(other, other_half_edge),
                                    start_of(other, next_half_edge(other_half_edge)), bound_m);
   if (!near || !(near->distance_m <= bound_m)) return;
-  const int side =
-      is_sharp ? 0 : side_of_edge(s, half_edge, other, other_half_edge / 3, bound_m);
+  const int side = is_sharp ? 0 : side_of_edge(s, half_edge, other, other_half_edge / 3, bound_m);
   if (!is_sharp && side == 0) return;
   found_.crossings.push_back({s, half_edge, other, other_half_edge, side, near->t});
 }

@@ -25,8 +25,8 @@ struct PlacedSurface {
   Mat3 inverse;  // of `linear`
   Vec3 translation_m;
   double rounding_m;  // of vertex() and to_mesh()
-  double bound_m;  // on the error of its vertices, see float_rounding_m()
-  Box box_m;       // around its vertices, enlarged by the largest distance of surfaces that meet
+  double bound_m;     // on the error of its vertices, see float_rounding_m()
+  Box box_m;          // around its vertices, enlarged by the largest distance of surfaces that meet
 
   Vec3 vertex(const Vec3& v_mesh) const;
   // The position in the mesh frame that the transform takes to p, up to rounding in double.
@@ -79,7 +79,7 @@ struct Meetings {
 
 // Two surfaces meet where they are at most the sum of their bounds apart, or close_gaps_m if that
 // is more. The search gives up if surfaces overlap so much that it would take longer than
-// kMostWork. Deterministic.
+// kMostWork, or if memory is short. Deterministic.
 class FlushSearch {
  public:
   // meshes and surfaces must outlive this object. reaches_m: MeshOutline::reach_m of each mesh.
@@ -95,8 +95,10 @@ class FlushSearch {
  private:
   struct Nearest;
 
-  std::optional<Error> search_pair(std::uint32_t a, std::uint32_t b);
-  std::optional<Error> make_features(std::uint32_t mesh);
+  void search_pair(std::uint32_t a, std::uint32_t b);
+  bool make_features(std::uint32_t mesh);
+  std::uint64_t bytes_of_meetings() const;
+  bool gives_up() const { return work_ > limit_ || is_memory_short_; }
   void search_vertices(std::uint32_t s, std::uint32_t other, const Box& box_m,
                        std::span<const std::uint32_t> faces);
   void search_edges(std::uint32_t s, std::uint32_t other, const Box& box_m,
@@ -105,8 +107,8 @@ class FlushSearch {
              std::uint32_t other_half_edge);
   std::vector<std::uint32_t> faces_in(std::uint32_t s, const Box& box_m);
   Nearest nearest(std::uint32_t other, const Vec3& p, double radius_m);
-  int side_of_vertex(std::uint32_t s, std::uint32_t vertex, std::uint32_t other,
-                     std::uint32_t face, double tolerance_m) const;
+  int side_of_vertex(std::uint32_t s, std::uint32_t vertex, std::uint32_t other, std::uint32_t face,
+                     double tolerance_m) const;
   int side_of_edge(std::uint32_t s, std::uint32_t half_edge, std::uint32_t other,
                    std::uint32_t face, double tolerance_m) const;
   const WeldedSurface& mesh(std::uint32_t s) const { return meshes_[surfaces_[s].mesh]; }
@@ -116,7 +118,6 @@ class FlushSearch {
   Vec3 start_of(std::uint32_t s, std::uint32_t h) const;
   Box box_in_mesh(std::uint32_t s, const Box& box_m) const;
   double height(std::uint32_t other, std::uint32_t face, const Vec3& p) const;
-  std::uint64_t most_work() const;
 
   const std::vector<WeldedSurface>& meshes_;
   std::span<const Box> boxes_;
@@ -126,6 +127,8 @@ class FlushSearch {
   std::map<std::uint32_t, std::unique_ptr<MeshFeatures>> features_;  // of meshes near others
   std::uint64_t features_bytes_ = 0;
   std::uint64_t work_ = 0;
+  std::uint64_t limit_ = 0;  // of the work
+  bool is_memory_short_ = false;
   Meetings found_;
 };
 

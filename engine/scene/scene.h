@@ -42,7 +42,8 @@ struct SceneSettings {
   // Whether boundaries are joined that meet within the rounding of the file (join_bound.h): in each
   // mesh, and between nodes at rest. False for recordings of before, which were made without.
   bool joins_within_rounding = true;
-  // If > 0, boundaries of a mesh that are at most this far apart are joined, too. Metres in the
+  // If > 0, boundaries of a mesh, and surfaces of different nodes, that are at most this far apart
+  // are joined, too. Metres in the
   // scene frame, after scaling; less than the extent of the scene.
   double close_gaps_m = 0.0;
   // Whether SceneStatistics::nearest_gap_m is measured, which takes time if boundaries are long.
@@ -76,12 +77,12 @@ struct SceneStatistics {
   std::size_t seam_vertices = 0;        // vertices joined with vertices of other nodes (seams.h)
   std::size_t seam_places = 0;          // distinct positions of these vertices
   std::size_t seam_nodes = 0;           // nodes that have such vertices
-  std::size_t changed_nodes = 0;        // nodes whose surface was made to meet others (conforming.h)
-  std::size_t divided_edges = 0;        // edges of these nodes that were divided
-  std::size_t apart_vertices = 0;       // vertices near those of other nodes, and not joined
-  double least_apart_m = 0.0;           // the least and the largest distance of these vertices
+  std::size_t changed_nodes = 0;   // nodes whose surface was made to meet others (conforming.h)
+  std::size_t divided_edges = 0;   // edges of these nodes that were divided
+  std::size_t apart_vertices = 0;  // vertices near those of other nodes, and not joined
+  double least_apart_m = 0.0;      // the least and the largest distance of these vertices
   double most_apart_m = 0.0;
-  double scale = 1.0;                   // the applied scale
+  double scale = 1.0;  // the applied scale
   Vec3 extent_m = Vec3::Zero();
   Box bounds_scene = {Vec3::Zero(), Vec3::Zero()};  // bounding box in the scene frame, metres
   std::vector<AnimationDescription> animations;     // all animations of the file
@@ -203,6 +204,7 @@ class Scene {
                                     std::span<const std::uint32_t> solid,
                                     std::vector<NodeDescription>& nodes, std::vector<Box>& boxes);
   void report_conforming(const Conforming& made, std::size_t divided_edges);
+  void note_conforming();
   AffineMap map_body_mesh(const IndexUse& use) const;
   std::optional<Error> build_world(const Box& bounds_scene,
                                    const std::vector<NodeDescription>& nodes,
@@ -232,8 +234,9 @@ class Scene {
   std::vector<IndexUse> use_of_object_;
   // The vertices of nodes that meet those of other nodes; only during compile().
   std::map<std::uint32_t, std::vector<std::uint32_t>> met_of_node_;
-  std::vector<bool> is_changed_;  // per node; only during compile()
-  std::size_t file_meshes_ = 0;  // the first of welded_, without copies for changed nodes
+  bool are_nodes_searched_ = true;  // for places where they meet; only during compile()
+  std::vector<bool> is_changed_;    // per node; only during compile()
+  std::size_t file_meshes_ = 0;     // the first of welded_, without copies for changed nodes
   std::vector<std::uint32_t> node_of_object_;  // index into the description, only during compile()
   std::vector<std::size_t> material_set_of_object_;  // only during compile()
   std::vector<Medium> media_;                        // only during compile()

@@ -1,6 +1,7 @@
 // Changes the meshes of nodes so that their surfaces conform where they meet: see conforming.h.
 
 #include <algorithm>
+#include <sstream>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -110,9 +111,9 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
         conform(welded_, boxes, described,
                 {middle_m, statistics_.extent_m.maxCoeff(), settings.close_gaps_m}, *ledger_);
     if (!made) return made.error();
-    const bool changes = std::any_of(
-        made->surfaces.begin(), made->surfaces.end(),
-        [](const ConformingSurface& surface) { return !surface.changes.empty(); });
+    const bool changes =
+        std::any_of(made->surfaces.begin(), made->surfaces.end(),
+                    [](const ConformingSurface& surface) { return !surface.changes.empty(); });
     if (auto error = change_nodes(made->surfaces, *solid, nodes, boxes)) return error;
     divided_edges += made->divided_edges;
     report_conforming(*made, divided_edges);
@@ -122,6 +123,7 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
   statistics_.changed_nodes =
       static_cast<std::size_t>(std::count(is_changed_.begin(), is_changed_.end(), true));
   is_changed_ = {};
+  note_conforming();
   if (statistics_.changed_nodes > 0) bounds = bounds_in_scene(welded_, boxes, nodes);
   return std::nullopt;
 }
@@ -196,6 +198,32 @@ void Scene::report_conforming(const Conforming& made, std::size_t divided_edges)
   statistics_.apart_vertices = made.apart;
   statistics_.least_apart_m = made.least_apart_m;
   statistics_.most_apart_m = made.most_apart_m;
+  are_nodes_searched_ = made.is_complete;
+}
+
+// Notes on what was joined, and on what stays open.
+void Scene::note_conforming() {
+  const SceneStatistics& s = statistics_;
+  std::ostringstream text;
+  if (s.changed_nodes > 0) {
+    text << "seams: " << s.changed_nodes << " nodes meet others only within the rounding of the "
+         << "file's numbers; their surfaces were moved together by as much, and " << s.divided_edges
+         << " edges were divided; each of these nodes has an index of its own";
+    statistics_.notes.push_back(text.str());
+  }
+  if (s.apart_vertices > 0) {
+    text.str({});
+    text << "seams: " << s.apart_vertices << " vertices are " << s.least_apart_m << " to "
+         << s.most_apart_m << " m from those of other nodes, farther than rounding explains, and "
+         << "stay open; `SceneSettings::close_gaps_m` joins them";
+    statistics_.notes.push_back(text.str());
+  }
+  if (!are_nodes_searched_) {
+    statistics_.warnings.push_back(
+        "seams: nodes overlap so much, or memory is so short, that the places where they meet were "
+        "not searched; a point may pass between nodes that meet only within the rounding of the "
+        "file. Load a part of the scene with `SceneSettings::node`");
+  }
 }
 
 }  // namespace palpate

@@ -206,7 +206,7 @@ void Scene::report_seams(const Seams& seams) {
         "seams: " + std::to_string(seams.vertices) + " vertices of " +
         std::to_string(seams.bodies.size()) + " nodes meet in " + std::to_string(seams.places) +
         " places and are joined, so that no point passes between the nodes; not joined are nodes "
-        "that move, vertices on the edge of another node, and gaps in the file");
+        "that move, and gaps in the file");
   }
   const auto warn = [&](const std::vector<std::uint32_t>& surfaces, const char* problem) {
     if (surfaces.empty()) return;

@@ -22,8 +22,8 @@ struct SeamSurface {
   const NodeDescription* node;  // has the transform, and the index of the mesh among the meshes
   Mat3 deformation;             // linear part of the map from mesh frame to body frame, metres
   Quat rotation;                // rotation of T_scene_body
-  // Further vertices that meet those of other surfaces (conforming.h). They are joined like vertices
-  // of the boundary. Ascending.
+  // Further vertices that meet those of other surfaces (conforming.h). They are joined like
+  // vertices of the boundary. Ascending.
   std::span<const std::uint32_t> met = {};
 };
 
