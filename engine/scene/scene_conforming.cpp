@@ -111,6 +111,7 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
         conform(welded_, boxes, described,
                 {middle_m, statistics_.extent_m.maxCoeff(), settings.close_gaps_m}, *ledger_);
     if (!made) return made.error();
+    if (!made->is_complete && round > 0) break;  // what the rounds before joined stays joined
     const bool changes =
         std::any_of(made->surfaces.begin(), made->surfaces.end(),
                     [](const ConformingSurface& surface) { return !surface.changes.empty(); });
