@@ -29,18 +29,17 @@ constexpr double kFloatPerTurn = 8 * kFloat;
 // four vertices has its own error.
 constexpr double kFloatPerPlane = 4 * kFloatPerVertex;
 
-// A vertex is reported as near another one, and not joined, up to this multiple of the distance of
-// joined vertices.
-constexpr double kReportedPerJoin = 64.0;
-
 // Two edges that cross at an acute angle are apart by this multiple of the bound at the nearer end,
 // at least. Edges that diverge less coincide, and then their ends lie on each other.
 constexpr double kDivergesPerBound = 4.0;
 
+// A shorter piece of an edge is too near one of its ends to cross another edge.
+constexpr double kShortPerBound = 4.0;
+
 // Limit on the work of a search, in boxes examined: 5 to 10 ns each. A box that meets 26 others in
 // a grid takes 4,000. In addition, any scene may take kMostWork, a fifth of a second.
 constexpr std::uint64_t kMostWork = std::uint64_t{1} << 24;
-constexpr std::uint64_t kWorkPerSurface = 8192;
+constexpr std::uint64_t kWorkPerSurface = 4096;
 constexpr std::uint64_t kWorkPerFace = 64;
 
 struct SegmentPair {
@@ -106,6 +105,15 @@ struct FlushSearch::Nearest {
   std::uint32_t half_edge = 0;
   double face_m = kNone;
   std::uint32_t face = 0;
+};
+
+// A sharp edge, in the solver frame.
+struct FlushSearch::Edge {
+  std::uint32_t surface;
+  std::uint32_t half_edge;
+  Vec3 from, to;
+  Box box_m;  // around its part near the other surface
+  double bound_m;
 };
 
 Vec3 PlacedSurface::vertex(const Vec3& v_mesh) const {
@@ -203,8 +211,8 @@ void FlushSearch::search_pair(std::uint32_t a, std::uint32_t b) {
   if (faces_a.empty() || faces_b.empty()) return;
   search_vertices(a, b, box_m, faces_a);
   search_vertices(b, a, box_m, faces_b);
-  search_edges(a, b, box_m, faces_a);
-  search_edges(b, a, box_m, faces_b);
+  search_edges(a, b, faces_a);
+  search_edges(b, a, faces_b);
   is_memory_short_ = ledger_.check(features_bytes_ + bytes_of_meetings()).has_value();
 }
 
@@ -331,51 +339,63 @@ void FlushSearch::search_vertices(std::uint32_t s, std::uint32_t other, const Bo
   }
 }
 
-void FlushSearch::search_edges(std::uint32_t s, std::uint32_t other, const Box& box_m,
+// Searches only where the boxes meet to within the distance of joined vertices.
+void FlushSearch::search_edges(std::uint32_t s, std::uint32_t other,
                                std::span<const std::uint32_t> faces) {
-  const auto is_first = [](const WeldedSurface& m, std::uint32_t h) {
-    const std::uint32_t mate = m.mates().aligned[h];
-    return mate == kNoHalfEdge || h < mate;
+  const MeshFeatures& own = features(s);
+  const MeshFeatures& others = features(other);
+  const WeldedSurface& other_mesh = mesh(other);
+  const double bound_m = joins_within_m(s, other);
+  const auto tight = [&](std::uint32_t n) {
+    return surfaces_[n].box_m.grown(bound_m - surfaces_[n].margin_m);
   };
+  const Box box_m = intersection(tight(s), tight(other));
+  if (!((box_m.high - box_m.low).maxCoeff() > kShortPerBound * bound_m)) return;
   for (const std::uint32_t f : faces) {
     for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
-      // A face's first half-edge may belong to a face outside of the box; then the other one is
-      // visited there, too.
-      if (!features(s).is_sharp_edge(h)) continue;
+      if (!own.is_sharp_edge(h)) continue;
+      // The edge is searched from its lower half-edge if both faces are listed.
       const std::uint32_t mate = mesh(s).mates().aligned[h];
-      if (!is_first(mesh(s), h) && std::binary_search(faces.begin(), faces.end(), mate / 3)) {
-        continue;
-      }
+      if (mate < h && std::binary_search(faces.begin(), faces.end(), mate / 3)) continue;
       const Vec3 from = start_of(s, h);
-      const Vec3 to = start_of(s, next_half_edge(h));
-      const double bound_m = joins_within_m(s, other);
-      const Box around =
-          intersection(Box{from.cwiseMin(to), from.cwiseMax(to)}.grown(bound_m), box_m);
-      if ((around.low.array() > around.high.array()).any()) continue;
-      features(other).tree().visit(box_in_mesh(other, around), work_, [&](std::uint32_t g) {
-        for (std::uint32_t k = 3 * g; k < 3 * g + 3; ++k) {
-          if (is_first(mesh(other), k)) cross(s, h, other, k);
-        }
-        work_ += 4;
-        return !gives_up();
-      });
+      const Vec3 d = start_of(s, next_half_edge(h)) - from;
+      double enter = 0.0;
+      double leave = 1.0;
+      if (!box_m.clip(from, d, enter, leave)) continue;
+      if (!((leave - enter) * d.norm() > kShortPerBound * bound_m)) continue;
+      const Vec3 begin = from + enter * d;
+      const Vec3 end = from + leave * d;
+      const Edge edge{s, h, from, from + d, Box{begin.cwiseMin(end), begin.cwiseMax(end)}, bound_m};
+      others.tree().visit(box_in_mesh(other, edge.box_m.grown(bound_m)), work_,
+                          [&](std::uint32_t g) {
+                            for (std::uint32_t k = 3 * g; k < 3 * g + 3; ++k) {
+                              const bool is_first = other_mesh.mates().aligned[k] > k;
+                              if (is_first) cross(edge, other, k);
+                            }
+                            work_ += 4;
+                            return !gives_up();
+                          });
       if (gives_up()) return;
     }
   }
 }
 
-void FlushSearch::cross(std::uint32_t s, std::uint32_t half_edge, std::uint32_t other,
-                        std::uint32_t other_half_edge) {
+void FlushSearch::cross(const Edge& edge, std::uint32_t other, std::uint32_t other_half_edge) {
   const bool is_sharp = features(other).is_sharp_edge(other_half_edge);
-  if (is_sharp && s < other) return;  // found from the other surface
-  const double bound_m = joins_within_m(s, other);
-  const auto near = nearest_within(start_of(s, half_edge), start_of(s, next_half_edge(half_edge)),
-                                   start_of(other, other_half_edge),
-                                   start_of(other, next_half_edge(other_half_edge)), bound_m);
-  if (!near || !(near->distance_m <= bound_m)) return;
-  const int side = is_sharp ? 0 : side_of_edge(s, half_edge, other, other_half_edge / 3, bound_m);
+  if (is_sharp && edge.surface < other) return;  // found from the other surface
+  const Vec3 from = start_of(other, other_half_edge);
+  const Vec3 to = start_of(other, next_half_edge(other_half_edge));
+  if (!OverlapTree::meet(Box{from.cwiseMin(to), from.cwiseMax(to)}.grown(edge.bound_m),
+                         edge.box_m)) {
+    return;
+  }
+  const auto near = nearest_within(edge.from, edge.to, from, to, edge.bound_m);
+  if (!near || !(near->distance_m <= edge.bound_m)) return;
+  const int side = is_sharp ? 0
+                            : side_of_edge(edge.surface, edge.half_edge, other, other_half_edge / 3,
+                                           edge.bound_m);
   if (!is_sharp && side == 0) return;
-  found_.crossings.push_back({s, half_edge, other, other_half_edge, side, near->t});
+  found_.crossings.push_back({edge.surface, edge.half_edge, other, other_half_edge, side, near->t});
 }
 
 }  // namespace palpate

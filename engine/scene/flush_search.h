@@ -17,6 +17,10 @@
 
 namespace palpate {
 
+// A vertex is reported as near another one, and not joined, up to this multiple of the distance of
+// joined vertices.
+inline constexpr double kReportedPerJoin = 64.0;
+
 // A surface in the solver frame.
 struct PlacedSurface {
   std::uint32_t number;  // of the surface
@@ -26,7 +30,8 @@ struct PlacedSurface {
   Vec3 translation_m;
   double rounding_m;  // of vertex() and to_mesh()
   double bound_m;     // on the error of its vertices, see float_rounding_m()
-  Box box_m;          // around its vertices, enlarged by the largest distance of surfaces that meet
+  double margin_m;    // kReportedPerJoin times the bound, or times close_gaps_m if that is more
+  Box box_m;          // around its vertices, enlarged by margin_m
 
   Vec3 vertex(const Vec3& v_mesh) const;
   // The position in the mesh frame that the transform takes to p, up to rounding in double.
@@ -94,6 +99,7 @@ class FlushSearch {
 
  private:
   struct Nearest;
+  struct Edge;
 
   void search_pair(std::uint32_t a, std::uint32_t b);
   bool make_features(std::uint32_t mesh);
@@ -101,10 +107,8 @@ class FlushSearch {
   bool gives_up() const { return work_ > limit_ || is_memory_short_; }
   void search_vertices(std::uint32_t s, std::uint32_t other, const Box& box_m,
                        std::span<const std::uint32_t> faces);
-  void search_edges(std::uint32_t s, std::uint32_t other, const Box& box_m,
-                    std::span<const std::uint32_t> faces);
-  void cross(std::uint32_t s, std::uint32_t half_edge, std::uint32_t other,
-             std::uint32_t other_half_edge);
+  void search_edges(std::uint32_t s, std::uint32_t other, std::span<const std::uint32_t> faces);
+  void cross(const Edge& edge, std::uint32_t other, std::uint32_t other_half_edge);
   std::vector<std::uint32_t> faces_in(std::uint32_t s, const Box& box_m);
   Nearest nearest(std::uint32_t other, const Vec3& p, double radius_m);
   int side_of_vertex(std::uint32_t s, std::uint32_t vertex, std::uint32_t other, std::uint32_t face,

@@ -550,5 +550,37 @@ TEST(FlushNodes, JoinWiderGapsOnDemand) {
   EXPECT_EQ(scene.statistics().changed_nodes, 1u);
 }
 
+// Instances of one box at multiples of its width, which are rounded to float.
+TEST(FlushNodes, HoldAPressAtEverySeamOfInstancesWithFloatTranslations) {
+  int seams_held = 0;
+  for (int k = 0; k < 12; ++k) {
+    const double step = 0.02 * (1 + k) / 7.0;
+    SceneDescription description;
+    description.path = "instances.glb";
+    description.meshes.push_back(
+        box_mesh(Vec3::Constant(-0.5 * step), Vec3::Constant(0.5 * step), {1, 1, 1}));
+    for (Vec3& p : description.meshes[0].positions) p = rounded(p);
+    for (int i = 0; i < 5; ++i) {
+      NodeDescription node;
+      node.name = "node " + std::to_string(i);
+      node.translation_m = rounded(Vec3(i * step, 0, 0));
+      node.product = TransformProduct::of(Mat3::Identity(), node.translation_m);
+      description.nodes.push_back(node);
+    }
+    const Scene scene = compiled(std::move(description));
+    for (int i = 0; i < 4; ++i) {
+      GodObject god(scene.world(), {});
+      const double x = (i + 0.5) * step;
+      god.place(scene.world().to_solver({x, 0, 0.6 * step}));
+      for (const double z : {0.52, 0.2, 0.0}) {
+        god.move_to(scene.world().to_solver({x, 0, z * step}));
+      }
+      const Vec3 p = god.proxy() + scene.world().anchor_scene_m;
+      seams_held += std::abs(p.z() - 0.5 * step) < 1e-6 * step ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(seams_held, 48);
+}
+
 }  // namespace
 }  // namespace palpate
