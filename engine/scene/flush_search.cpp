@@ -380,6 +380,18 @@ void FlushSearch::search_edges(std::uint32_t s, std::uint32_t other,
   }
 }
 
+// Whether a segment is parallel to a face at an edge, to within the bound of both its ends. Edges
+// that cross, and lie along none of their faces, belong to surfaces that pass through each other,
+// or touch in a single point.
+bool FlushSearch::lies_along(std::uint32_t s, std::uint32_t half_edge, const Vec3& from,
+                             const Vec3& to, double bound_m) const {
+  for (const std::uint32_t h : {half_edge, mesh(s).mates().aligned[half_edge]}) {
+    if (h == kNoHalfEdge) continue;
+    if (std::abs(height(s, h / 3, to) - height(s, h / 3, from)) <= 2 * bound_m) return true;
+  }
+  return false;
+}
+
 void FlushSearch::cross(const Edge& edge, std::uint32_t other, std::uint32_t other_half_edge) {
   const bool is_sharp = features(other).is_sharp_edge(other_half_edge);
   if (is_sharp && edge.surface < other) return;  // found from the other surface
@@ -391,6 +403,10 @@ void FlushSearch::cross(const Edge& edge, std::uint32_t other, std::uint32_t oth
   }
   const auto near = nearest_within(edge.from, edge.to, from, to, edge.bound_m);
   if (!near || !(near->distance_m <= edge.bound_m)) return;
+  if (!lies_along(other, other_half_edge, edge.from, edge.to, edge.bound_m) &&
+      !lies_along(edge.surface, edge.half_edge, from, to, edge.bound_m)) {
+    return;
+  }
   const int side = is_sharp ? 0
                             : side_of_edge(edge.surface, edge.half_edge, other, other_half_edge / 3,
                                            edge.bound_m);

@@ -108,6 +108,8 @@ class FlushSearch {
   void search_vertices(std::uint32_t s, std::uint32_t other, const Box& box_m,
                        std::span<const std::uint32_t> faces);
   void search_edges(std::uint32_t s, std::uint32_t other, std::span<const std::uint32_t> faces);
+  bool lies_along(std::uint32_t s, std::uint32_t half_edge, const Vec3& from, const Vec3& to,
+                  double bound_m) const;
   void cross(const Edge& edge, std::uint32_t other, std::uint32_t other_half_edge);
   std::vector<std::uint32_t> faces_in(std::uint32_t s, const Box& box_m);
   Nearest nearest(std::uint32_t other, const Vec3& p, double radius_m);
