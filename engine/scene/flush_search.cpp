@@ -281,14 +281,16 @@ int FlushSearch::side_of_vertex(std::uint32_t s, std::uint32_t vertex, std::uint
                                 std::uint32_t face, double tolerance_m) const {
   double least = 0.0;
   double most = 0.0;
+  bool has_edge_along = false;  // else the surfaces touch in a single point, or by chance
   for (const std::uint32_t h : features(s).starting_at(vertex)) {
     for (const std::uint32_t around : {next_half_edge(h), previous_half_edge(h)}) {
       const double above = height(other, face, start_of(s, around));
+      has_edge_along = has_edge_along || std::abs(above) <= 2 * tolerance_m;
       least = std::min(least, above);
       most = std::max(most, above);
     }
   }
-  return side_opposite(least, most, tolerance_m);
+  return has_edge_along ? side_opposite(least, most, tolerance_m) : 0;
 }
 
 int FlushSearch::side_of_edge(std::uint32_t s, std::uint32_t half_edge, std::uint32_t other,
