@@ -106,6 +106,7 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
   const Vec3 middle_m = 0.5 * (bounds.low + bounds.high);
   is_changed_.assign(nodes.size(), false);
   std::size_t divided_edges = 0;
+  const std::size_t warnings = statistics_.warnings.size();
   for (int round = 0; round < kMostRounds; ++round) {
     Result<Conforming> made =
         conform(welded_, boxes, described,
@@ -115,6 +116,7 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
     const bool changes =
         std::any_of(made->surfaces.begin(), made->surfaces.end(),
                     [](const ConformingSurface& surface) { return !surface.changes.empty(); });
+    statistics_.warnings.resize(warnings);  // each round finds again what it has to leave
     if (auto error = change_nodes(made->surfaces, *solid, nodes, boxes)) return error;
     divided_edges += made->divided_edges;
     report_conforming(*made, divided_edges);
