@@ -231,6 +231,18 @@ ordered_json joins_json(const JoinStatistics& joins) {
           {"ambiguous_edges", joins.ambiguous_edges}};
 }
 
+// Where nodes meet, and where they are near each other and stay apart.
+ordered_json node_seams_json(const SceneStatistics& s) {
+  ordered_json json = {{"vertices", s.seam_vertices},
+                       {"places", s.seam_places},
+                       {"nodes", s.seam_nodes},
+                       {"changed_nodes", s.changed_nodes},
+                       {"divided_edges", s.divided_edges},
+                       {"apart_vertices", s.apart_vertices}};
+  if (s.apart_vertices > 0) json["apart_m"] = {s.least_apart_m, s.most_apart_m};
+  return json;
+}
+
 // What is still open, and what would join it.
 std::string open_edges_text(const SceneStatistics& s) {
   if (s.cleaning.boundary_edges == 0) return {};
@@ -261,6 +273,7 @@ ordered_json scene_json(const Scene& scene) {
           {"non_manifold_edges", s.cleaning.non_manifold_edges},
           {"joined", joins_json(s.rounding_joins)},
           {"gaps_joined", joins_json(s.gap_joins)},
+          {"node_seams", node_seams_json(s)},
           {"nearest_gap_m", s.nearest_gap_m ? ordered_json(*s.nearest_gap_m) : ordered_json()},
           {"extent_m", {s.extent_m.x(), s.extent_m.y(), s.extent_m.z()}},
           {"bounding_box", box_json(s.bounds_scene)},

@@ -192,6 +192,9 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
       {scene.materials_, scene.physics_materials_, scene.haptic_materials_, description.images,
        &description.scene_parameters, description.regions, statistics.scale},
       scene.parts_);
+  if (auto error = scene.conform_nodes(description.nodes, boxes, bounds, settings, effects)) {
+    return with_path(*error, description.path);
+  }
   if (auto error = scene.add_surfaces(description.nodes, placements, boxes, settings.proxy_radius_m,
                                       effects)) {
     return with_path(*error, description.path);

@@ -3,12 +3,14 @@
 // A scene, compiled once from the description that io reads, and immutable afterwards.
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/scene/conforming.h"
 #include "engine/scene/node_placement.h"
 #include "engine/scene/scene_effects.h"
 #include "engine/scene/seams.h"
@@ -40,7 +42,8 @@ struct SceneSettings {
   // Whether boundaries are joined that meet within the rounding of the file (join_bound.h): in each
   // mesh, and between nodes at rest. False for recordings of before, which were made without.
   bool joins_within_rounding = true;
-  // If > 0, boundaries of a mesh that are at most this far apart are joined, too. Metres in the
+  // If > 0, boundaries of a mesh, and surfaces of different nodes, that are at most this far apart
+  // are joined, too. Metres in the
   // scene frame, after scaling; less than the extent of the scene.
   double close_gaps_m = 0.0;
   // Whether SceneStatistics::nearest_gap_m is measured, which takes time if boundaries are long.
@@ -74,7 +77,12 @@ struct SceneStatistics {
   std::size_t seam_vertices = 0;        // vertices joined with vertices of other nodes (seams.h)
   std::size_t seam_places = 0;          // distinct positions of these vertices
   std::size_t seam_nodes = 0;           // nodes that have such vertices
-  double scale = 1.0;                   // the applied scale
+  std::size_t changed_nodes = 0;   // nodes whose surface was made to meet others (conforming.h)
+  std::size_t divided_edges = 0;   // edges of these nodes that were divided
+  std::size_t apart_vertices = 0;  // vertices near those of other nodes, and not joined
+  double least_apart_m = 0.0;      // the least and the largest distance of these vertices
+  double most_apart_m = 0.0;
+  double scale = 1.0;  // the applied scale
   Vec3 extent_m = Vec3::Zero();
   Box bounds_scene = {Vec3::Zero(), Vec3::Zero()};  // bounding box in the scene frame, metres
   std::vector<AnimationDescription> animations;     // all animations of the file
@@ -187,6 +195,16 @@ class Scene {
                                     const std::vector<NodePlacement>& placements,
                                     std::span<const Box> boxes, double proxy_radius_m,
                                     SceneEffects& effects);
+  std::optional<Error> conform_nodes(std::vector<NodeDescription>& nodes, std::vector<Box>& boxes,
+                                     Box& bounds, const SceneSettings& settings,
+                                     SceneEffects& effects);
+  Result<std::vector<std::uint32_t>> solid_nodes(const std::vector<NodeDescription>& nodes,
+                                                 SceneEffects& effects) const;
+  std::optional<Error> change_nodes(std::vector<ConformingSurface>& surfaces,
+                                    std::span<const std::uint32_t> solid,
+                                    std::vector<NodeDescription>& nodes, std::vector<Box>& boxes);
+  void report_conforming(const Conforming& made, std::size_t divided_edges);
+  void note_conforming();
   AffineMap map_body_mesh(const IndexUse& use) const;
   std::optional<Error> build_world(const Box& bounds_scene,
                                    const std::vector<NodeDescription>& nodes,
@@ -214,6 +232,11 @@ class Scene {
   std::vector<std::unique_ptr<SurfaceIndex>> indices_;  // one per shape
   std::vector<SceneObject> objects_;
   std::vector<IndexUse> use_of_object_;
+  // The vertices of nodes that meet those of other nodes; only during compile().
+  std::map<std::uint32_t, std::vector<std::uint32_t>> met_of_node_;
+  bool are_nodes_searched_ = true;  // for places where they meet; only during compile()
+  std::vector<bool> is_changed_;    // per node; only during compile()
+  std::size_t file_meshes_ = 0;     // the first of welded_, without copies for changed nodes
   std::vector<std::uint32_t> node_of_object_;  // index into the description, only during compile()
   std::vector<std::size_t> material_set_of_object_;  // only during compile()
   std::vector<Medium> media_;                        // only during compile()

@@ -98,6 +98,9 @@ class SceneEffects {
  public:
   SceneEffects(const EffectDeclarations& declarations, std::span<const MeshParts> meshes);
 
+  // Follows a change of the list of meshes, whose first elements are as before.
+  void set_meshes(std::span<const MeshParts> meshes) { meshes_ = meshes; }
+
   // Returns the number of the material set of a node. A material set has one entry for each part of
   // the mesh: the combination of the part's materials with this physics material. Equal sets have
   // the same number.

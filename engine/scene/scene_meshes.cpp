@@ -66,6 +66,7 @@ std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptio
   ledger_->begin("welding meshes", descriptions.empty() ? "" : mesh_named(descriptions[largest]));
   if (auto error = ledger_->take(sum_of(std::move(needs), core_count()))) return error;
   welded_.resize(descriptions.size());
+  file_meshes_ = welded_.size();
   run_meshes(descriptions.size(), triangles, [&](std::size_t i) {
     MeshDescription& mesh = descriptions[i];
     auto given = has_uv(mesh) ? mesh.triangles : std::move(mesh.triangles);
@@ -148,9 +149,9 @@ void Scene::build_meshes_and_indices() {
                    [&](std::size_t i) { meshes_[i] = SurfaceMesh(welded_[i]); });
       });
   std::vector<WeldedSurface>().swap(welded_);
-  for (const SurfaceMesh& mesh : meshes_) {
-    add(statistics_.cleaning, mesh.report());
-    statistics_.memory += mesh.memory();
+  for (std::size_t i = 0; i < meshes_.size(); ++i) {
+    if (i < file_meshes_) add(statistics_.cleaning, meshes_[i].report());
+    statistics_.memory += meshes_[i].memory();
   }
   for (const auto& index : indices_) statistics_.memory += index->memory();
 }

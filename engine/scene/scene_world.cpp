@@ -126,6 +126,7 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene,
   add_bodies();
   if (!seams.bodies.empty()) add_corners(seams, nodes);
   node_of_object_ = {};
+  met_of_node_ = {};
   statistics_.memory.places =
       objects_.capacity() * sizeof(SceneObject) + tree_.capacity() * sizeof(TreeNode) +
       use_of_object_.capacity() * sizeof(IndexUse) +
@@ -187,8 +188,11 @@ Result<Seams> Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
   surfaces.reserve(objects_.size());
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const IndexUse& use = use_of_object_[i];
+    const auto met = met_of_node_.find(node_of_object_[i]);
     surfaces.push_back({&nodes[node_of_object_[i]], use.metres_per_unit * map_body_mesh(use).linear,
-                        objects_[i].T_scene_body.rotation});
+                        objects_[i].T_scene_body.rotation,
+                        met == met_of_node_.end() ? std::span<const std::uint32_t>()
+                                                  : std::span<const std::uint32_t>(met->second)});
   }
   return find_seams(welded_, surfaces, world_.anchor_scene_m, world_.size_m, *ledger_);
 }
@@ -202,7 +206,7 @@ void Scene::report_seams(const Seams& seams) {
         "seams: " + std::to_string(seams.vertices) + " vertices of " +
         std::to_string(seams.bodies.size()) + " nodes meet in " + std::to_string(seams.places) +
         " places and are joined, so that no point passes between the nodes; not joined are nodes "
-        "that move, vertices on the edge of another node, and gaps in the file");
+        "that move, and gaps in the file");
   }
   const auto warn = [&](const std::vector<std::uint32_t>& surfaces, const char* problem) {
     if (surfaces.empty()) return;

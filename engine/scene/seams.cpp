@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -82,6 +83,7 @@ struct Placed {
   Vec3 translation_solver_m;
   double rounding_m = 0.0;  // bound on the error of its vertices, see kRoundoffPerTransform
   double apart_m = 0.0;     // bound on the distance of its index, see kFrameRoundoff
+  std::vector<std::uint32_t> joining;  // SeamSurface::met and the boundary; empty without met
 
   Placed(const SeamSurface& s, const Vec3& anchor_scene_m)
       : surface(&s), translation_solver_m(s.node->translation_m - anchor_scene_m) {}
@@ -228,7 +230,13 @@ class SeamSearch {
     return meshes_[placed_[s].surface->node->mesh];
   }
   MeshOutline& outline(std::uint32_t s) { return outlines_[placed_[s].surface->node->mesh]; }
-  bool is_open(std::uint32_t s) const { return mesh(s).report().boundary_edges > 0; }
+  bool is_open(std::uint32_t s) const {
+    return mesh(s).report().boundary_edges > 0 || !placed_[s].surface->met.empty();
+  }
+  // The vertices that may be joined: the boundary, and those that meet others.
+  const std::vector<std::uint32_t>& joining(std::uint32_t s) {
+    return placed_[s].joining.empty() ? outline(s).boundary : placed_[s].joining;
+  }
 
   // Finds the surfaces that may touch another surface where one of the two is open. Surfaces with
   // too large error bounds are reported as too far.
@@ -256,8 +264,15 @@ class SeamSearch {
     std::size_t count = 0;
     for (const std::uint32_t s : near_) {
       std::vector<std::uint32_t>& boundary = outline(s).boundary;
-      if (is_open(s) && boundary.empty()) boundary = boundary_vertices(mesh(s));
-      count += boundary.size();
+      if (mesh(s).report().boundary_edges > 0 && boundary.empty()) {
+        boundary = boundary_vertices(mesh(s));
+      }
+      const std::span<const std::uint32_t> met = placed_[s].surface->met;
+      if (!met.empty()) {
+        std::set_union(boundary.begin(), boundary.end(), met.begin(), met.end(),
+                       std::back_inserter(placed_[s].joining));
+      }
+      count += joining(s).size();
     }
     return count;
   }
@@ -273,7 +288,7 @@ class SeamSearch {
     if (auto error = ledger_.check(SharedCells::bytes(most))) return error;
     SharedCells cells(kCellPerJoin * most_m_, most);
     std::erase_if(near_, [&](std::uint32_t s) {
-      const std::vector<std::uint32_t>& own = outline(s).boundary;
+      const std::vector<std::uint32_t>& own = joining(s);
       const bool is_added = std::all_of(
           own.begin(), own.end(), [&](std::uint32_t v) { return cells.add(vertex(s, v), s); });
       if (!is_added) seams_.crowded.push_back(s);
@@ -299,7 +314,7 @@ class SeamSearch {
   // Marks the cells near the vertices of a surface. Returns how many vertices inside its boundary
   // are near a marked cell.
   std::size_t share_cells(std::uint32_t s, SharedCells& cells) {
-    const std::vector<std::uint32_t>& own = outline(s).boundary;
+    const std::vector<std::uint32_t>& own = joining(s);
     const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
     std::size_t inner = 0;
     std::size_t next = 0;
@@ -317,7 +332,7 @@ class SeamSearch {
   template <typename Visit>
   void visit_shared(const SharedCells& cells, Visit visit) {
     for (const std::uint32_t s : near_) {
-      for (const std::uint32_t v : outline(s).boundary) {
+      for (const std::uint32_t v : joining(s)) {
         const Vec3 p = vertex(s, v);
         if (cells.is_shared(p)) visit(s, p);
       }
@@ -342,7 +357,7 @@ class SeamSearch {
   std::optional<std::vector<Candidate>> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
     std::vector<Candidate> found;
     const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
-    const std::vector<std::uint32_t>& own = outline(s).boundary;
+    const std::vector<std::uint32_t>& own = joining(s);
     std::size_t next = 0;
     for (std::uint32_t v = 0; v < count; ++v) {
       const Vec3 p = vertex(s, v);
@@ -448,9 +463,11 @@ Result<Seams> find_seams(const std::vector<WeldedSurface>& meshes,
                          double size_m, MemoryLedger& ledger) {
   // The surface, its box, two numbers in the search for touching boxes, and an entry of near_.
   constexpr std::uint64_t kPerSurface = sizeof(Placed) + sizeof(Box) + 3 * sizeof(std::uint32_t);
-  const bool has_open = std::any_of(meshes.begin(), meshes.end(), [](const WeldedSurface& mesh) {
-    return mesh.report().boundary_edges > 0;
-  });
+  const bool has_open =
+      std::any_of(meshes.begin(), meshes.end(),
+                  [](const WeldedSurface& mesh) { return mesh.report().boundary_edges > 0; }) ||
+      std::any_of(surfaces.begin(), surfaces.end(),
+                  [](const SeamSurface& surface) { return !surface.met.empty(); });
   if (surfaces.size() < 2 || !has_open) return Seams{};
   if (auto error = ledger.check(surfaces.size() * kPerSurface)) return *error;
   return SeamSearch(meshes, surfaces, anchor_scene_m, size_m, ledger).find();

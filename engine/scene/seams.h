@@ -22,6 +22,9 @@ struct SeamSurface {
   const NodeDescription* node;  // has the transform, and the index of the mesh among the meshes
   Mat3 deformation;             // linear part of the map from mesh frame to body frame, metres
   Quat rotation;                // rotation of T_scene_body
+  // Further vertices that meet those of other surfaces (conforming.h). They are joined like
+  // vertices of the boundary. Ascending.
+  std::span<const std::uint32_t> met = {};
 };
 
 // A surface that shares a seam with another surface.
@@ -47,11 +50,12 @@ struct Seams {
 // most the sum of the bounds on their rounding errors (see the .cpp). Joined vertices get the
 // position of the vertex whose surface has the lowest number. At each place, at most one vertex of
 // a surface is joined, namely the vertex nearest to the place. At least one of the joined vertices
-// must lie on the boundary of its mesh; closed surfaces and separate surfaces are left alone.
+// must lie on the boundary of its mesh or be listed in SeamSurface::met; other closed surfaces and
+// separate surfaces are left alone.
 //
 // anchor_scene_m: the origin of the solver frame. size_m: the largest extent of the scene.
 //
-// The search costs almost nothing if no mesh has a boundary or if the scene has only one surface.
+// The search costs almost nothing if no surface has such vertices or if there is only one surface.
 // Otherwise its cost is O(n log n) in the number of surfaces, plus O(1) for each vertex of the
 // surfaces that may touch an open surface. The ledger checks the temporary memory: up to 24 bytes
 // for each boundary vertex of these surfaces, and about 200 bytes for each vertex near another

@@ -148,6 +148,20 @@ std::size_t MeshParts::part_of_face(std::size_t face) const {
   return next == runs_.begin() ? 0 : std::prev(next)->part;
 }
 
+std::vector<std::uint32_t> MeshParts::first_triangles(const WeldedSurface& surface) const {
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(runs_.size());
+  for (const FaceRun& run : runs_) triangles.push_back(surface.source_triangle(run.first_face));
+  return triangles;
+}
+
+void MeshParts::follow(const WeldedSurface& changed,
+                       std::span<const std::uint32_t> first_triangles) {
+  for (std::size_t r = 0; r < runs_.size(); ++r) {
+    runs_[r].first_face = first_face_from(changed, first_triangles[r]);
+  }
+}
+
 std::size_t MeshParts::memory_bytes() const {
   return bytes_of(materials_) + bytes_of(runs_) + bytes_of(triangles_) + bytes_of(texture_uv_) +
          bytes_of(friction_uv_);

@@ -46,6 +46,10 @@ class MeshParts {
   // piece: the piece of its source triangle that the face is, or null (SourceTriangles).
   CornerCoordinates texture_uv(std::uint32_t source_triangle, const FacePiece* piece) const;
   CornerCoordinates friction_uv(std::uint32_t source_triangle, const FacePiece* piece) const;
+  // The source triangles at which the runs of one part begin, in the surface whose parts these are.
+  std::vector<std::uint32_t> first_triangles(const WeldedSurface& surface) const;
+  // Follows a change of the surface. first_triangles: of the surface before the change.
+  void follow(const WeldedSurface& changed, std::span<const std::uint32_t> first_triangles);
   void drop_uv();  // frees the texture coordinates
 
  private:

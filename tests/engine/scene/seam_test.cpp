@@ -289,6 +289,13 @@ SceneDescription described_by_number(std::vector<MeshDescription> meshes,
   return description;
 }
 
+// Joins only what meets within the rounding of the transforms in double.
+SceneSettings without_rounding() {
+  SceneSettings settings;
+  settings.joins_within_rounding = false;
+  return settings;
+}
+
 // Checks that a scene has no corners, no wider index and no report of seams.
 void expect_left_alone(const Scene& scene) {
   EXPECT_EQ(scene.world().seams, nullptr);
@@ -306,8 +313,8 @@ TEST(Seams, AreAbsentInASceneOfOneBody) {
   expect_left_alone(compiled(described_by_number({closed_box(1.0)}, {node_at({3, 4, 5})})));
 }
 
-TEST(Seams, AreAbsentBetweenClosedBodies) {
-  for (const double apart_m : {0.0, 2.0, 5.0}) {
+TEST(Seams, AreAbsentBetweenClosedBodiesThatAreApart) {
+  for (const double apart_m : {2.001, 5.0}) {
     expect_left_alone(compiled(
         described_by_number({closed_box(1.0)}, {node_at({0, 0, 0}), node_at({apart_m, 0, 0})})));
   }
@@ -319,13 +326,79 @@ TEST(Seams, AreAbsentBetweenSeparateOpenBodies) {
   expect_left_alone(compiled(described_by_number({square()}, nodes)));
 }
 
-TEST(Seams, StayOpenAtAGapInTheFileOrAVertexOnAnEdge) {
+// The faces of closed bodies coincide, and so do their vertices.
+TEST(Seams, JoinClosedBodiesThatAreFlush) {
+  const Scene scene =
+      compiled(described_by_number({closed_box(1.0)}, {node_at({0, 0, 0}), node_at({2.0, 0, 0})}));
+  EXPECT_EQ(scene.statistics().seam_vertices, 8u);
+  EXPECT_EQ(scene.statistics().seam_places, 4u);
+  EXPECT_EQ(scene.statistics().changed_nodes, 0u);
+}
+
+TEST(Seams, StayOpenAtAGapInTheFile) {
+  const double far_apart = 0x1p-10;
+  expect_left_alone(compiled(
+      described_by_number({square()}, {node_at({0, 0, 0}), node_at({1.0 + far_apart, 0, 0})})));
+}
+
+// Recordings of before were made without.
+TEST(Seams, StayOpenAtARoundingIfTheSettingSaysSo) {
+  const SceneSettings settings = without_rounding();
   const double float_apart = 0x1p-24;
   expect_left_alone(compiled(
-      described_by_number({square()}, {node_at({0, 0, 0}), node_at({1.0 + float_apart, 0, 0})})));
-  // The corners of the second body lie in the middle of the edges of the first body.
-  expect_left_alone(
-      compiled(described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0.5, 0})})));
+      described_by_number({square()}, {node_at({0, 0, 0}), node_at({1.0 + float_apart, 0, 0})}),
+      settings));
+  expect_left_alone(compiled(
+      described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0.5, 0})}), settings));
+}
+
+TEST(Seams, CloseAtARoundingOfTheFile) {
+  const double float_apart = 0x1p-24;
+  const Scene scene = compiled(
+      described_by_number({square()}, {node_at({0, 0, 0}), node_at({1.0 + float_apart, 0, 0})}));
+  EXPECT_EQ(scene.statistics().seam_vertices, 4u);
+  EXPECT_EQ(scene.statistics().changed_nodes, 1u);
+  EXPECT_EQ(scene.world().bodies[0].corners->vertex(1), scene.world().bodies[1].corners->vertex(0));
+}
+
+// A corner of each body lies in the middle of an edge of the other one.
+TEST(Seams, DivideAnEdgeAtAVertexThatLiesOnIt) {
+  const Scene scene =
+      compiled(described_by_number({square()}, {node_at({0, 0, 0}), node_at({1, 0.5, 0})}));
+  EXPECT_EQ(scene.statistics().seam_places, 2u);
+  EXPECT_EQ(scene.statistics().divided_edges, 2u);
+  EXPECT_EQ(scene.mesh(scene.objects()[0].mesh).face_count(), 3u);
+  EXPECT_EQ(scene.mesh(scene.objects()[1].mesh).face_count(), 3u);
+}
+
+TEST(Seams, StayOpenWithAWarningIfMemoryIsShort) {
+  // A row of nodes with one large mesh, which meet within a rounding: each needs a copy.
+  MeshDescription large = square();
+  Random random(35);
+  for (std::uint32_t t = 0; t < 20000; ++t) {
+    const auto first = static_cast<std::uint32_t>(large.positions.size());
+    const Vec3 at(random.uniform(0.3, 0.7), random.uniform(0.3, 0.7), random.uniform(0, 1));
+    large.positions.insert(large.positions.end(),
+                           {at, at + 0.1 * random.unit_vector(), at + 0.1 * random.unit_vector()});
+    large.triangles.push_back({first, first + 1, first + 2});
+  }
+  std::vector<NodeDescription> nodes;
+  for (int i = 0; i < 12; ++i) nodes.push_back(node_at({i * (1.0 + 0x1p-24), 0, 0}));
+  const SceneDescription description = described_by_number({large}, nodes);
+  EXPECT_EQ(compiled(description).statistics().changed_nodes, 11u);
+  SceneSettings settings = without_rounding();
+  const auto used = compiled(description, settings).statistics().memory.total();
+  settings.joins_within_rounding = true;
+  for (double factor = 1.0; factor < 4.0; factor *= 1.1) {
+    settings.max_memory_bytes = static_cast<std::uint64_t>(factor * static_cast<double>(used));
+    const auto scene = Scene::compile(description, settings);
+    if (!scene) continue;
+    EXPECT_LT(scene->statistics().changed_nodes, 11u);
+    ASSERT_EQ(scene->statistics().warnings.size(), 1u);
+    EXPECT_NE(scene->statistics().warnings[0].find("memory"), std::string::npos);
+    return;
+  }
+  ADD_FAILURE() << "no limit was large enough";
 }
 
 // A row of tiles is rotated by a random angle about a random axis.
@@ -389,7 +462,7 @@ TEST(Seams, DoNotGrowAlongAChain) {
   const double step = 5e-15;
   std::vector<NodeDescription> nodes;
   for (int i = 0; i < 20; ++i) nodes.push_back(node_at({0, 0, step * i}));
-  const Scene scene = compiled(described_by_number({square()}, nodes));
+  const Scene scene = compiled(described_by_number({square()}, nodes), without_rounding());
   EXPECT_GT(scene.statistics().seam_places, 4u);
   EXPECT_LE(farthest_apart_m(scene.world()),
             kMostApartPerStandOff * SolverScale::of(scene.world().size_m, 0.0).stand_off_m);
@@ -439,7 +512,7 @@ TEST(Seams, AreNotSearchedAmongCrowdedVerticesWithAWarning) {
   grass.positions.front() *= 1e24;
   std::vector<NodeDescription> nodes;
   for (int i = 0; i < 300; ++i) nodes.push_back(node_at({0.01 * i, 0, 0}));
-  const Scene scene = compiled(described_by_number({grass}, nodes));
+  const Scene scene = compiled(described_by_number({grass}, nodes), without_rounding());
   EXPECT_EQ(scene.world().seams, nullptr);
   const std::string warning = only_warning(scene);
   EXPECT_NE(warning.find("more nodes: too small relative to the scene to determine"),

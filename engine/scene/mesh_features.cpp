@@ -1,0 +1,62 @@
+#include "engine/scene/mesh_features.h"
+
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+std::vector<Box> boxes_of_faces(const WeldedSurface& mesh) {
+  std::vector<Box> boxes;
+  boxes.reserve(mesh.face_count());
+  for (const Triangle& t : mesh.faces()) {
+    Box box = Box::empty();
+    for (const std::uint32_t v : t) box = box.united({mesh.positions()[v], mesh.positions()[v]});
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+// Whether the corner opposite to the mate of a half-edge lies in the plane of the half-edge's face.
+bool is_in_plane(const WeldedSurface& mesh, std::uint32_t half_edge, std::uint32_t mate,
+                 double flat_m) {
+  const Triangle& face = mesh.faces()[half_edge / 3];
+  const Vec3& a = mesh.positions()[face[0]];
+  const Vec3 normal = (mesh.positions()[face[1]] - a).cross(mesh.positions()[face[2]] - a);
+  const std::uint32_t opposite = mesh.faces()[mate / 3][previous_half_edge(mate) % 3];
+  return std::abs(normal.dot(mesh.positions()[opposite] - a)) <= flat_m * normal.norm();
+}
+
+}  // namespace
+
+MeshFeatures::MeshFeatures(const WeldedSurface& mesh, double flat_m)
+    : tree_(boxes_of_faces(mesh)),
+      starts_(3 * mesh.face_count()),
+      first_(mesh.positions().size() + 1, 0),
+      sharp_edges_(3 * mesh.face_count(), true),
+      sharp_vertices_(mesh.positions().size(), false) {
+  const std::span<const Triangle> faces = mesh.faces();
+  for (const Triangle& t : faces) {
+    for (const std::uint32_t v : t) ++first_[v + 1];
+  }
+  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (std::uint32_t h = 0; h < starts_.size(); ++h) starts_[next[faces[h / 3][h % 3]]++] = h;
+  for (std::uint32_t h = 0; h < starts_.size(); ++h) {
+    const std::uint32_t mate = mesh.mates().aligned[h];
+    if (mate != kNoHalfEdge && is_in_plane(mesh, h, mate, flat_m) &&
+        is_in_plane(mesh, mate, h, flat_m)) {
+      sharp_edges_[h] = false;
+      continue;
+    }
+    sharp_vertices_[faces[h / 3][h % 3]] = true;
+    sharp_vertices_[faces[h / 3][next_half_edge(h) % 3]] = true;
+  }
+}
+
+std::uint64_t MeshFeatures::bytes(const WeldedSurface& mesh) {
+  const std::uint64_t faces = mesh.face_count();
+  return OverlapTree::bytes(faces) + faces * (sizeof(Box) + 3 * sizeof(std::uint32_t) + 1) +
+         mesh.positions().size() * (2 * sizeof(std::uint32_t) + 1);
+}
+
+}  // namespace palpate
