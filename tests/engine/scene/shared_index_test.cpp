@@ -124,6 +124,7 @@ NodeDescription node_of_mesh(std::uint32_t mesh, const Mat3& linear, const Vec3&
 Scene compiled_for_proxy(SceneDescription description, double proxy_radius_m = 0.0) {
   SceneSettings settings;
   settings.proxy_radius_m = proxy_radius_m;
+  settings.joins_within_rounding = false;  // the oracles have the triangles of the file
   auto scene = Scene::compile(std::move(description), settings);
   EXPECT_TRUE(scene) << scene.error().to_string();
   return std::move(*scene);
