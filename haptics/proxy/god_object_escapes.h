@@ -149,10 +149,11 @@ bool GodObject::is_held_by_faces(const Friction& friction) {
 // triangle must not hold the point. Therefore, before the point counts as resting, the solver tries
 // to move it without each such contact. At a vertex, the free space is not convex, and other faces
 // can leave a gap. There the solver tries slides along all near faces, along each face and along
-// each pair of faces, and then past the obstacle that such a slide meets. If two nearly parallel
-// faces are closer to each other than the proxy may come to either, rounding decides whether an
-// attempt succeeds (rounding_decides_). A stuck point can be nearer to its own face than it may
-// come to the next face; the edge of the next face then blocks it.
+// each pair of faces, and then past the obstacle that such a slide meets. Last, it tries to pass
+// the edges and corners that the point does not touch. If two nearly parallel faces are closer to
+// each other than the proxy may come to either, rounding decides whether an attempt succeeds
+// (rounding_decides_). A stuck point can be nearer to its own face than it may come to the next
+// face; the edge of the next face then blocks it.
 template <typename Friction>
 [[gnu::cold]] bool GodObject::leaves_edges(Progress progress, Friction& friction) {
   rounding_decides_ = false;
