@@ -33,6 +33,10 @@ constexpr std::size_t kMostCrossing = 32;
 constexpr std::size_t kMostPlanes = 2 * kMostCrossing;
 constexpr std::size_t kMostLines = kMostPlanes * (kMostPlanes + 1) / 2;
 
+// The number of planes past the nearest edges that are intersected with all planes past edges. More
+// would make a rest beside a stack of sheets expensive.
+constexpr std::size_t kMostPassed = 12;
+
 // The largest angle, rad, by which rounding may turn the line in which two planes intersect: half
 // the digits of double.
 constexpr double kLineRoundoff = 1e-8;
@@ -394,9 +398,9 @@ bool GodObject::goes_past_edges(Friction& friction) {
   return goes_along_longest(friction);
 }
 
-// Two planes contain the point and pass an edge at a stand-off. Adds the steepest descent in each
-// of these planes, and the lines in which they intersect the planes of touched faces and each
-// other.
+// Three planes through the point belong to an edge: two pass it at a stand-off, and one keeps the
+// distance from it. Adds the steepest descent in each of these planes, and the lines in which they
+// intersect the planes of touched faces and those of the nearest edges.
 template <typename Friction>
 void GodObject::add_lines_past_edges(const Friction& friction) {
   std::array<Vec3, kMostPlanes> normals;
@@ -412,6 +416,7 @@ void GodObject::add_lines_past_edges(const Friction& friction) {
     const double cosine = scale().stand_off_m / contact.clearance_m;
     const double sine = std::sqrt(1.0 - cosine * cosine);
     const Vec3 across = tracer_.edge_direction(contact).cross(contact.normal);
+    add(contact.normal);
     add(cosine * contact.normal + sine * across);
     add(cosine * contact.normal - sine * across);
   }
@@ -421,6 +426,7 @@ void GodObject::add_lines_past_edges(const Friction& friction) {
   for (std::size_t i = 0; i < past_count; ++i) {
     add_line(friction.within(lag, normals[i]), friction);
     for (std::size_t j = i + 1; j < count && !motion_plane_; ++j) {
+      if (j >= kMostPassed && j < past_count) continue;
       add_line(friction.along(lag, crossing_line(normals[i], normals[j])), friction);
     }
   }
