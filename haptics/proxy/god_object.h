@@ -365,6 +365,16 @@ class GodObject {
   template <typename Friction>
   bool goes_along_lines(Friction& friction);
   template <typename Friction>
+  bool goes_past_edges(Friction& friction);
+  template <typename Friction>
+  void add_lines_past_edges(const Friction& friction);
+  template <typename Friction>
+  void add_lines_past_corners(const Friction& friction);
+  template <typename Friction>
+  void add_line(const Vec3& step, const Friction& friction);
+  template <typename Friction>
+  bool goes_along_longest(Friction& friction);
+  template <typename Friction>
   bool goes_along_line(const Vec3& step, Friction& friction);
   template <typename Friction>
   bool goes_between(Vec3 blocked, Vec3 free, Friction& friction);

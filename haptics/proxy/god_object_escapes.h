@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -28,9 +29,13 @@ constexpr std::size_t kMostCrossing = 32;
 
 // The largest number of planes that are intersected. Each face gives two: its own plane, and the
 // plane through its nearest point that is perpendicular to the direction from this point to the
-// proxy. Any two planes may intersect.
+// proxy. Any two planes may intersect; the steepest descent in a plane counts as a line, too.
 constexpr std::size_t kMostPlanes = 2 * kMostCrossing;
-constexpr std::size_t kMostLines = kMostPlanes * (kMostPlanes - 1) / 2;
+constexpr std::size_t kMostLines = kMostPlanes * (kMostPlanes + 1) / 2;
+
+// The number of planes past the nearest edges that are intersected with all planes past edges. More
+// would make a rest beside a stack of sheets expensive.
+constexpr std::size_t kMostPassed = 12;
 
 // The largest angle, rad, by which rounding may turn the line in which two planes intersect: half
 // the digits of double.
@@ -75,11 +80,17 @@ struct GodObject::Surroundings {
   std::size_t count = 0;
   std::size_t touched_count = 0;  // the first touched_count faces touch the proxy
   std::array<LineStep, kMostLines> lines;
+  std::size_t line_count = 0;
 
   std::span<const FaceContact> all_faces() const { return std::span(faces).first(count); }
   std::span<const FaceContact> all_nearest() const { return std::span(nearest).first(count); }
   std::span<const FaceContact> all_touched() const {
     return std::span(nearest).first(touched_count);
+  }
+  // The nearest faces that do not touch the proxy.
+  std::span<const FaceContact> all_untouched() const {
+    const std::size_t end = std::max(touched_count, std::min(count, kMostCrossing));
+    return std::span(nearest).first(end).subspan(touched_count);
   }
 };
 
@@ -143,10 +154,11 @@ bool GodObject::is_held_by_faces(const Friction& friction) {
 // triangle must not hold the point. Therefore, before the point counts as resting, the solver tries
 // to move it without each such contact. At a vertex, the free space is not convex, and other faces
 // can leave a gap. There the solver tries slides along all near faces, along each face and along
-// each pair of faces, and then past the obstacle that such a slide meets. If two nearly parallel
-// faces are closer to each other than the proxy may come to either, rounding decides whether an
-// attempt succeeds (rounding_decides_). A stuck point can be nearer to its own face than it may
-// come to the next face; the edge of the next face then blocks it.
+// each pair of faces, and then past the obstacle that such a slide meets. Last, it tries to pass
+// the edges and corners that the point does not touch. If two nearly parallel faces are closer to
+// each other than the proxy may come to either, rounding decides whether an attempt succeeds
+// (rounding_decides_). A stuck point can be nearer to its own face than it may come to the next
+// face; the edge of the next face then blocks it.
 template <typename Friction>
 [[gnu::cold]] bool GodObject::leaves_edges(Progress progress, Friction& friction) {
   rounding_decides_ = false;
@@ -173,6 +185,7 @@ template <typename Friction>
   if constexpr (!Friction::kHolds) {
     if ((is_beside || is_vertex) && goes_past_obstacles(friction)) return true;
     if (is_vertex && goes_along_lines(friction)) return true;
+    if (goes_past_edges(friction)) return true;
   }
   return_to(here);
   return false;
@@ -370,18 +383,105 @@ bool GodObject::goes_along_lines(Friction& friction) {
     add(around_->nearest[i].normal);
   }
   tracer_.count(Work::kPlane, count * count / 2);
-  std::size_t line_count = 0;
+  around_->line_count = 0;
   const Vec3 lag = goal_ - proxy_;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const Vec3 line = crossing_line(normals[i], normals[j]);
-      const Vec3 step = friction.along(lag, line);
-      if (!may_gain_by(friction, step) || !falls_to_none(step, around_->all_touched())) continue;
-      around_->lines[line_count] = {step, step.norm(), line_count};
-      ++line_count;
+      add_line(friction.along(lag, crossing_line(normals[i], normals[j])), friction);
     }
   }
-  const auto lines = std::span(around_->lines).first(line_count);
+  return goes_along_longest(friction);
+}
+
+// Tries to pass the edges and corners near the point that it does not touch. A face stops every
+// step that would come nearer to its edge, although a step at a small angle to this one passes the
+// edge at a stand-off, and the plane of the face may lead away from the goal.
+template <typename Friction>
+bool GodObject::goes_past_edges(Friction& friction) {
+  around_->line_count = 0;
+  add_lines_past_edges(friction);
+  add_lines_past_corners(friction);
+  return goes_along_longest(friction);
+}
+
+// Three planes through the point belong to an edge: two pass it at a stand-off, and one keeps the
+// distance from it. Adds the steepest descent in each of these planes, and the lines in which they
+// intersect the planes of touched faces and those of the nearest edges.
+template <typename Friction>
+void GodObject::add_lines_past_edges(const Friction& friction) {
+  std::array<Vec3, kMostPlanes> normals;
+  std::size_t count = 0;
+  const auto add = [&](const Vec3& direction) {
+    const std::optional<Vec3> normal = in_motion_plane(direction);
+    const auto end = normals.begin() + static_cast<std::ptrdiff_t>(count);
+    if (!normal || count == kMostPlanes || std::find(normals.begin(), end, *normal) != end) return;
+    normals[count++] = *normal;
+  };
+  for (const FaceContact& contact : around_->all_untouched()) {
+    if (contact.feature != TriangleFeature::kEdge) continue;
+    const double cosine = scale().stand_off_m / contact.clearance_m;
+    const double sine = std::sqrt(1.0 - cosine * cosine);
+    const Vec3 across = tracer_.edge_direction(contact).cross(contact.normal);
+    add(contact.normal);
+    add(cosine * contact.normal + sine * across);
+    add(cosine * contact.normal - sine * across);
+  }
+  const std::size_t past_count = count;
+  for (const FaceContact& contact : around_->all_touched()) add(contact.normal);
+  const Vec3 lag = goal_ - proxy_;
+  for (std::size_t i = 0; i < past_count; ++i) {
+    add_line(friction.within(lag, normals[i]), friction);
+    for (std::size_t j = i + 1; j < count && !motion_plane_; ++j) {
+      if (j >= kMostPassed && j < past_count) continue;
+      add_line(friction.along(lag, crossing_line(normals[i], normals[j])), friction);
+    }
+  }
+}
+
+// The directions that pass a corner at a stand-off form a cone. Adds the one that leads most
+// directly to the goal, and those along the planes of touched faces.
+template <typename Friction>
+void GodObject::add_lines_past_corners(const Friction& friction) {
+  const Vec3 lag = goal_ - proxy_;
+  for (const FaceContact& contact : around_->all_untouched()) {
+    if (contact.feature != TriangleFeature::kVertex) continue;
+    const double sine = scale().stand_off_m / contact.clearance_m;
+    const double cosine = std::sqrt(1.0 - sine * sine);
+    const auto add_within = [&](const Vec3& normal) {
+      const Vec3 out = contact.normal - contact.normal.dot(normal) * normal;
+      const double nearer = cosine / out.norm();
+      if (!(nearer < 1.0)) return;  // no direction in this plane leads nearer to the corner
+      const Vec3 u = out.normalized();
+      const Vec3 aside = std::sqrt(1.0 - nearer * nearer) * normal.cross(u);
+      add_line(friction.along(lag, aside - nearer * u), friction);
+      add_line(friction.along(lag, -aside - nearer * u), friction);
+    };
+    if (motion_plane_) {
+      add_within(motion_plane_->normal());
+      continue;
+    }
+    add_within(lag.cross(contact.normal).normalized());
+    for (const FaceContact& touched :
+         around_->all_touched().first(std::min(around_->touched_count, kMostCrossing))) {
+      add_within(touched.normal);
+    }
+  }
+}
+
+// Adds a step to the lines to be tried, unless it gains too little or approaches a touched face.
+template <typename Friction>
+void GodObject::add_line(const Vec3& step, const Friction& friction) {
+  Surroundings& around = *around_;
+  if (around.line_count == kMostLines || !may_gain_by(friction, step)) return;
+  if (!falls_to_none(step, around.all_touched())) return;
+  around.lines[around.line_count] = {step, step.norm(), around.line_count};
+  ++around.line_count;
+}
+
+// Tries the steps along the lines that were added, the longest first.
+template <typename Friction>
+bool GodObject::goes_along_longest(Friction& friction) {
+  const auto lines = std::span(around_->lines).first(around_->line_count);
   std::sort(lines.begin(), lines.end(), [](const LineStep& a, const LineStep& b) {
     return std::pair(-a.length_m, a.order) < std::pair(-b.length_m, b.order);
   });

@@ -42,7 +42,8 @@ constexpr int kMostBends = 64;
 
 // The planes of triangles within this many stand-offs of the proxy are tried, the nearest first.
 constexpr Wide kNearStandOffs = 64;
-constexpr std::size_t kMostPlanes = 40;
+constexpr std::size_t kMostPlanes = 64;
+constexpr std::size_t kMostCorners = 24;
 
 constexpr int kBisections = 24;
 
@@ -514,6 +515,64 @@ class Search {
     return normals;
   }
 
+  // The corners near the proxy that are farther than the smallest allowed distance, as unit vectors
+  // from the corner to the proxy, with the sine of the angle at which a segment just passes.
+  struct FreeCorner {
+    Wide3 out;
+    Wide sine;
+  };
+  std::vector<FreeCorner> free_corners() const {
+    std::vector<FreeCorner> corners;
+    for (const Near& near : near_) {
+      const Corners& t = bodies_[near.body].judge->triangles()[near.triangle];
+      const Frame& frame = frames_[near.body];
+      const Wide keep_m = allowed_m(&near) + round_m_ / 4;
+      for (const Vec3* corner : {&t.a, &t.b, &t.c}) {
+        const Wide3 to_proxy = frame.proxy_body - corner->cast<Wide>();
+        const Wide distance_m = to_proxy.norm();
+        if (distance_m > near_m_ || distance_m <= keep_m) continue;
+        const Wide3 out = frame.R_solver_body * (to_proxy / distance_m);
+        const auto is_same = [&](const FreeCorner& c) { return (c.out - out).norm() < 1e-9L; };
+        if (std::any_of(corners.begin(), corners.end(), is_same)) continue;
+        corners.push_back({out, keep_m / distance_m});
+        if (corners.size() >= kMostCorners) return corners;
+      }
+    }
+    return corners;
+  }
+
+  // The directions in the plane with this normal that just pass the corner.
+  std::optional<Escape> slide_past(const FreeCorner& corner, const Wide3& normal) {
+    const Wide3 out = corner.out - corner.out.dot(normal) * normal;
+    const Wide cosine = std::sqrt(1 - corner.sine * corner.sine) / out.norm();
+    if (!(cosine < 1)) return std::nullopt;
+    const Wide sine = std::sqrt(1 - cosine * cosine);
+    const Wide3 beside = normal.cross(out.normalized());
+    for (const Wide side : {sine, -sine}) {
+      const Wide3 u = side * beside - cosine * out.normalized();
+      if (auto escape = try_slide({u.normalized()}, "past a corner")) return escape;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Escape> slide_past_corners(const std::vector<Wide3>& normals) {
+    if (is_held()) return std::nullopt;
+    for (const FreeCorner& corner : free_corners()) {
+      if (motion_normal_) {
+        if (auto escape = slide_past(corner, *motion_normal_)) return escape;
+        continue;
+      }
+      const Wide3 across = lag_.cross(corner.out);
+      if (across.norm() > 0) {
+        if (auto escape = slide_past(corner, across.normalized())) return escape;
+      }
+      for (const Wide3& normal : normals) {
+        if (auto escape = slide_past(corner, normal)) return escape;
+      }
+    }
+    return std::nullopt;
+  }
+
   std::optional<Escape> slide_on_planes() {
     std::vector<Wide3> normals;
     const auto add = [&](const Wide3& normal) {
@@ -551,7 +610,7 @@ class Search {
         if (auto escape = try_slide(slide, "along a line")) return escape;
       }
     }
-    return std::nullopt;
+    return slide_past_corners(normals);
   }
 
   std::span<const JudgedBody> bodies_;

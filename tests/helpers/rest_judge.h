@@ -24,7 +24,9 @@
 // - the tangent past the last of these obstacles;
 // - the steepest descent along the plane of each triangle near the proxy, and along the planes that
 //   pass the triangle's edges at the smallest allowed distance;
-// - the line in which two of these planes meet.
+// - the line in which two of these planes meet;
+// - the directions that pass a corner near the proxy at the smallest allowed distance: the one that
+//   leads most directly to the goal, and those in each of these planes.
 //
 // If the distance of a triangle exceeds one stand-off by no more than rounding, it counts as one
 // stand-off, in the proxy's favour.
