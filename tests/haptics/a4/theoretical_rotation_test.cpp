@@ -554,19 +554,19 @@ TEST(PrintedForm, Case3OvershootsIfItsWholeAngleIsTurned) {
   }
 }
 
-struct Alignment {
+struct TimeAndTurn {
   double time_s;
   double turned_deg;
 };
 
 // A4's actions 5 and 6 at 1 kHz: the normal starts at -10 deg and turns until it is at 1 deg.
-Alignment align_from_minus_10_deg(Table1Form form) {
+TimeAndTurn align_from_minus_10_deg(Table1Form form) {
   constexpr double kTick_s = 1e-3;
   const ActuationModel model = *ActuationModel::from_counts(2, 1);
   TheoreticalRotation rotation(model, form);
   const Vec3 normal_scene(std::cos(radians(-10.0)), std::sin(radians(-10.0)), 0.0);
   ScenePose pose;
-  Alignment alignment{0.0, 0.0};
+  TimeAndTurn alignment{0.0, 0.0};
   while (alignment.time_s < 10.0) {
     const Vec3 normal = pose.direction(normal_scene);
     if (model.angle_to_actuated_rad(normal) <= radians(1.0) && normal.x() > 0.0) break;
@@ -581,10 +581,10 @@ Alignment align_from_minus_10_deg(Table1Form form) {
 }
 
 TEST(PrintedForm, Case1FromMinus10DegTakesTheLongWay) {
-  const Alignment printed = align_from_minus_10_deg(Table1Form::kAsPrinted);
+  const TimeAndTurn printed = align_from_minus_10_deg(Table1Form::kAsPrinted);
   EXPECT_NEAR(printed.time_s, 4.55, 0.005);
   EXPECT_NEAR(printed.turned_deg, 349.0, 0.1);
-  const Alignment corrected = align_from_minus_10_deg(Table1Form::kCorrected);
+  const TimeAndTurn corrected = align_from_minus_10_deg(Table1Form::kCorrected);
   EXPECT_NEAR(corrected.time_s, 0.511119, 0.001);  // to the tick
   EXPECT_NEAR(corrected.turned_deg, 9.0, 0.1);
 }
