@@ -34,20 +34,20 @@ double drift_m(const HapticLoop& loop, const HapticSettings& settings) {
   return (loop.T_device_scene().translation_m - settings.initial_pose.translation_m).norm();
 }
 
-struct Work {
+struct PressWork {
   double taken_J = 0.0;  // by the device while the hand presses
   double given_J = 0.0;  // to the hand while it releases
   double leak_J = 0.0;   // K/2 sum |dx|^2, of forces that are held for a tick
 };
 
 // Presses a plane at an angle to A1 along A1 from the first touch, and releases it.
-Work press_and_release(double angle_rad, double depth_m, int steps) {
+PressWork press_and_release(double angle_rad, double depth_m, int steps) {
   const Vec3 normal(std::cos(angle_rad), std::sin(angle_rad), 0.0);
   const OwnedWorld world(test::sheet_soup(0.2, 0.2));
   HapticSettings settings = cd_settings();
   settings.initial_pose.rotation = Quat::FromTwoVectors(Vec3::UnitZ(), normal).normalized();
   HapticLoop loop(world.world(), *ActuationModel::from_counts(3, 1), settings);
-  Work work;
+  PressWork work;
   Vec3 last_m = Vec3(1e-9, 0.0, 0.0);
   Vec3 force_N = vec3(loop.tick(last_m, kTick_s).force_device_N);
   for (int n = 1; n <= 2 * steps; ++n) {
@@ -63,7 +63,7 @@ Work press_and_release(double angle_rad, double depth_m, int steps) {
 }
 
 TEST(ControlDisplay, TakesMoreWorkThanItGives) {
-  const Work work = press_and_release(40 * kDeg, 0.010, 20000);
+  const PressWork work = press_and_release(40 * kDeg, 0.010, 20000);
   EXPECT_NEAR(work.taken_J, 23.46e-3, 0.01 * 23.46e-3);
   EXPECT_NEAR(work.given_J, 15.83e-3, 0.01 * 15.83e-3);
 }
@@ -72,7 +72,7 @@ TEST(ControlDisplay, NeverGivesMoreThanItTookAlongTheMotor) {
   for (int angle_deg = 0; angle_deg <= 75; angle_deg += 5) {
     for (const double depth_m : {1e-4, 1e-3, 5e-3, 0.02}) {
       for (const int steps : {10, 100, 1000}) {
-        const Work work = press_and_release(angle_deg * kDeg, depth_m, steps);
+        const PressWork work = press_and_release(angle_deg * kDeg, depth_m, steps);
         const double rounding_J = 1e-12 * (work.taken_J + work.given_J);
         EXPECT_LE(work.given_J, work.taken_J + work.leak_J + rounding_J)
             << angle_deg << " deg, " << depth_m << " m, " << steps << " steps";
