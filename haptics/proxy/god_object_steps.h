@@ -301,7 +301,9 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   // it could miss an edge directly in front of it.
   // Under friction it slides on, until its lag is on the cone.
   bool may_rest = is_slow_ && planes_are_current_ && !is_free;
-  if constexpr (Friction::kHolds) may_rest = may_rest && !friction.wants_to_slide;
+  if constexpr (Friction::kHolds) {
+    may_rest = may_rest && !(friction.holds() && friction.wants_to_slide);
+  }
   if (may_rest && is_little(friction, step) && touches_planes()) return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !bounds_.contains(target);

@@ -569,8 +569,9 @@ TEST(SlidingFriction, ContinuesOverTheEdgesOfAMesh) {
       bool has_slipped = false;
       int slides = 0;
       int capped = 0;
-      int shorter = 0;  // ticks in which a sphere came down from one face to another
-      bool was_shorter = false;
+      // Ticks in which a sphere came down from one face to another with its lag below the dynamic
+      // cone. It sticks there, and may do so until its lag exceeds the static cone.
+      int shorter = 0;
       for (double angle = 0.0; angle < 6.0; angle += step_rad) {
         const TickRecord& record =
             loop.tick(deep_m * (std::cos(angle) * u + std::sin(angle) * v), kTick_s);
@@ -578,8 +579,7 @@ TEST(SlidingFriction, ContinuesOverTheEdgesOfAMesh) {
         has_slipped = has_slipped || record.friction == FrictionState::kSlides;
         if (!has_slipped) continue;
         const bool is_shorter = record.friction == FrictionState::kSticks;
-        ASSERT_FALSE(is_shorter && (was_shorter || proxy_radius_m == 0.0)) << run << " " << angle;
-        was_shorter = is_shorter;
+        ASSERT_FALSE(is_shorter && proxy_radius_m == 0.0) << run << " " << angle;
         const double press_N = vec3(record.force_device_N).dot(vec3(record.normal_scene));
         const double side_N =
             (vec3(record.force_device_N) - press_N * vec3(record.normal_scene)).norm();
@@ -589,7 +589,7 @@ TEST(SlidingFriction, ContinuesOverTheEdgesOfAMesh) {
         }
         if (is_shorter) {
           ++shorter;
-          ASSERT_LT(side_N / press_N, 0.4) << run << " " << angle;
+          ASSERT_LE(side_N / press_N, 0.8 + rounded) << run << " " << angle;
           continue;
         }
         ASSERT_NEAR(side_N / press_N, 0.4, rounded) << run << " " << angle;
