@@ -43,7 +43,7 @@ struct ExplorationRun {
   // within near_m.
   double way_share = 0.0;
   bool is_open_contour = false;  // PlannedHand
-  double late_way_share = 0.0;  // the part of way_share covered in the last fifth of the run
+  double late_way_share = 0.0;   // the part of way_share covered in the last fifth of the run
   double near_m = 0.0;
   double proxy_radius_m = 0.0;
   std::optional<std::uint64_t> missed_deadlines;  // no value in simulated time

@@ -14,7 +14,8 @@ namespace palpate {
 //     normal      K (d + h) + B u_n      stiffness, damping, texture
 //     tangential  K t + B u_t            friction limits it: to mu_k times the normal force while
 //                                        the contact slides, to at most mu_s times while it sticks.
-//                                        With the spring alone, it is K t except after a capped tick
+//                                        With the spring alone, it is K t except after a capped
+//                                        tick
 //     sum         without any part that pulls along N, as in VirtualCoupling
 //     rotation    of the sum from N to the rendered normal          shading
 //     minus       K (d + h) grad h                                  texture

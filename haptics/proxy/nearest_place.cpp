@@ -22,9 +22,9 @@ SurfacePlace place_on(const ContactBody& body, const FaceRef& face, const Triang
 
 // One search. Faces are visited in ascending order, first of the bodies at rest and then of those
 // that have moved; among equally near faces, the first one counts.
-class Search {
+class PlaceSearch {
  public:
-  Search(const LiveWorld& world, const Vec3& p, WorkMeter& work)
+  PlaceSearch(const LiveWorld& world, const Vec3& p, WorkMeter& work)
       : world_(world), p_(p), work_(work) {}
 
   // The last q, now at `q`, slides by at most slide_m. place: on the face of the last q.
@@ -60,7 +60,7 @@ class Search {
         p_index, reach, 0,
         [](void* search, std::span<const std::uint32_t> packs) {
           return std::all_of(packs.begin(), packs.end(), [&](std::uint32_t pack) {
-            return static_cast<Search*>(search)->visit_pack(pack);
+            return static_cast<PlaceSearch*>(search)->visit_pack(pack);
           });
         },
         this);
@@ -115,7 +115,7 @@ class Search {
 
 std::optional<SurfacePlace> NearestPlace::update(const LiveWorld& world, const Vec3& p,
                                                  double reach_m, WorkMeter& work) noexcept {
-  Search search(world, p, work);
+  PlaceSearch search(world, p, work);
   bool is_complete = true;
   if (held_) {
     const ContactBody& body = world.body(held_->face.body);

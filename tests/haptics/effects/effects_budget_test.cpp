@@ -125,14 +125,17 @@ TEST(EffectsBudget, ANearMagnetPullsBeforeAFartherOne) {
   for (int scene = 0; scene < 60; ++scene) {
     const std::size_t count = 2 + static_cast<std::size_t>(scene) % 30;
     const Magnets magnets(random, count);
-    const WorkUnits budget = 1 + static_cast<WorkUnits>(random.uniform(0.0, 20.0 * static_cast<double>(count)));
+    const WorkUnits budget =
+        1 + static_cast<WorkUnits>(random.uniform(0.0, 20.0 * static_cast<double>(count)));
     FreeProxy proxy(magnets.world(), with_effects_budget(budget));
     const Vec3 p = random.in_box(1.0);
     const Vec3 force_N = proxy.force_N(p);
     // The sum of the pulls of the nearest k, for one k.
     std::size_t k = 0;
     Vec3 sum_N = Vec3::Zero();
-    const auto is_sum = [&] { return (force_N - sum_N).norm() <= 1e-12 * static_cast<double>(count); };
+    const auto is_sum = [&] {
+      return (force_N - sum_N).norm() <= 1e-12 * static_cast<double>(count);
+    };
     const auto order = magnets.by_distance(p);
     while (!is_sum() && k < count) sum_N += magnets.pull_N(order[k++], p);
     ASSERT_TRUE(is_sum()) << "scene " << scene << ", budget " << budget;
