@@ -22,7 +22,8 @@ namespace {
 // A gap is narrower than this part of the largest extent of the scene; what is wider is a shape.
 constexpr double kMostGapPerExtent = 0.1;
 
-// Gaps are measured for surfaces with at most this many boundary edges, which takes a second.
+// Gaps are measured for the first surfaces that have at most this many boundary edges together,
+// which takes a second.
 constexpr std::size_t kMostMeasuredEdges = 100000;
 
 // The gaps that are tried have lengths from this part of the extent of the scene to
@@ -157,8 +158,11 @@ std::optional<Error> Scene::close_gaps(const std::vector<NodeDescription>& nodes
   }
   if (!settings.measures_gaps) return std::nullopt;
   double nearest_m = std::numeric_limits<double>::infinity();
+  std::size_t edges_left = kMostMeasuredEdges;
   for (std::size_t i = 0; i < welded_.size(); ++i) {
-    if (welded_[i].report().boundary_edges > kMostMeasuredEdges) continue;
+    const std::size_t edges = welded_[i].report().boundary_edges;
+    if (edges > edges_left) continue;
+    edges_left -= edges;
     nearest_m = std::min(nearest_m, nearest_gap_m(welded_[i], limits[i], extent_m));
   }
   if (std::isfinite(nearest_m)) statistics_.nearest_gap_m = nearest_m;

@@ -76,7 +76,7 @@ bool GodObject::place(const Vec3& p, const std::optional<Vec3>& motion_plane_nor
   proxy_ = goal_ = p;
   settled_ = false;
   confirmed_ = false;
-  slides_ = false;
+  slide_ = {};
   goes_on_ = false;
   repeats_step_ = false;
   last_push_.reset();
@@ -101,7 +101,7 @@ bool GodObject::place(const Vec3& p, const std::optional<Vec3>& motion_plane_nor
 ProxyState GodObject::move_to(const Vec3& goal,
                               const std::optional<Vec3>& motion_plane_normal) noexcept {
   if (!is_goal(goal, motion_plane_normal)) return refused();
-  slides_ = false;
+  slide_ = {};
   last_holds_ = {};
   NoFriction none;
   return move(goal, motion_plane_normal, none);

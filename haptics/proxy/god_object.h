@@ -39,6 +39,13 @@ class FrictionCones {
   ~FrictionCones() = default;
 };
 
+// What a god-object remembers of a slide from tick to tick.
+struct SlideMemory {
+  bool slides = false;          // the contact slides
+  double dynamic_friction = 0;  // the coefficient with which it slid last
+  double excess_m = 0.0;        // lag minus the limit of the dynamic cone; negative if it sticks
+};
+
 struct FrictionSource {
   FrictionCones& cones;
   // The magnitude, m, of the coordinates from which the goal was computed, if it is larger than
@@ -196,7 +203,7 @@ class GodObject {
                           const AnisotropicNorm& norm) noexcept;
 
   // Makes the present contact stick like a new one. To be called in a tick that commands no force.
-  void end_friction() noexcept { slides_ = false; }
+  void end_friction() noexcept { slide_ = {}; }
 
   const Vec3& proxy() const { return proxy_; }
   // The faces that hold the proxy, at most three. Valid until the next move.
@@ -480,7 +487,7 @@ class GodObject {
   int last_count_ = 0;
   std::array<bool, 3> last_holds_{};  // which of the faces that held the proxy have friction
   int last_active_count_ = 0;
-  bool slides_ = false;  // under friction: the contact of the last tick slides
+  SlideMemory slide_;  // of the contact of the last tick, under friction
 
   // State of a tick that was cut short.
   bool repeats_step_ = false;            // the next tick begins with the planes of this one

@@ -269,6 +269,7 @@ bool GodObject::slides_by(const Vec3& along, const FaceContact& face, Friction& 
   return tries(friction, [&] {
     friction.begin_step();
     friction.cone = friction.source->cones.at(face, proxy_);
+    friction.shares = 1.0;
     const double lag_m = along.norm();
     const double depth_m = (goal_ - proxy_ - along).norm();
     friction.compare(lag_m, depth_m);

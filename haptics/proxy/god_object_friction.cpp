@@ -57,15 +57,19 @@ struct CoulombFriction : EuclideanNorm {
   static constexpr bool kHolds = true;
 
   const FrictionSource* source;
-  double coordinates_m;    // size of the coordinates that this tick computes with
-  bool slides;             // the contact slides, from an earlier tick or a step of this tick
+  double coordinates_m;         // size of the coordinates that this tick computes with
+  SlideMemory before;           // of the last tick
+  bool slides = before.slides;  // the contact slides, from an earlier tick or a step of this tick
   FrictionCone cone = {};  // weighted sum over the planes of the last step, at the end of the step
   std::array<bool, 3> holds_by = {};  // which of these planes have friction
   double rounding_m = 0.0;            // rounding of lag and depth in the last step
   bool is_below_cone = false;         // at the end of the last step, the lag is below the cone
   bool wants_to_slide = false;        // the last step exceeded the cone
   bool slid = false;                  // a step of this tick slid
-  double mu_of_slide = 0.0;           // the dynamic coefficient of the last step that slid
+  bool has_moved = false;             // a step of this tick changed the position
+  double shares = 0.0;  // sum of the weights in `cone`; more than 1 if several planes bear the lag
+  double mu_of_slide = before.dynamic_friction;  // of the last step that slid
+  double left_m = 0.0;  // lag minus the limit of the dynamic cone, at the end of the last step
 
   // Whether the faces of the last step have friction, and whether a given face has.
   bool holds() const { return cone.holds(); }
@@ -73,12 +77,18 @@ struct CoulombFriction : EuclideanNorm {
     return source->cones.at(contact, proxy).holds();
   }
 
+  // The dynamic coefficient of the faces of the last step; their mean, if they differ.
+  double dynamic_coefficient() const {
+    return shares > 0.0 ? cone.dynamic_friction / shares : cone.dynamic_friction;
+  }
+
   // moved: the step changed the position. A proxy that exceeded the cone but could not move keeps
   // its state.
   void end_step(bool moved) {
+    has_moved = has_moved || moved;
     if (wants_to_slide && moved) {
       slides = slid = true;
-      mu_of_slide = cone.dynamic_friction;
+      if (shares > 0.0) mu_of_slide = dynamic_coefficient();  // else no face bears the lag
     }
     wants_to_slide = false;
   }
@@ -86,8 +96,10 @@ struct CoulombFriction : EuclideanNorm {
   // Resets the state before the cones of a step are queried.
   void begin_step() {
     cone = {};
+    shares = 0.0;
     holds_by = {};
     is_below_cone = false;
+    left_m = 0.0;
     wants_to_slide = false;
   }
 
@@ -98,11 +110,17 @@ struct CoulombFriction : EuclideanNorm {
 
   // Whether the next tick begins as a sliding one. A sphere that slides off one of two faces comes
   // down on the other, which may leave its lag below the cone although nothing but the normal has
-  // changed; the next tick decides whether it sticks there.
+  // changed. It slides again when its lag has grown back to the dynamic cone; if the lag does not
+  // grow, the hand no longer moves on, and the contact sticks.
   bool slides_on() const {
-    const double difference = std::abs(mu_of_slide - cone.dynamic_friction);
-    const bool is_one_material = difference <= kConeRoundoff * cone.dynamic_friction;
-    return slides_here() || (slid && is_one_material);
+    const double difference = std::abs(mu_of_slide - dynamic_coefficient());
+    const bool is_one_material = difference <= kConeRoundoff * mu_of_slide;
+    const bool grows = before.excess_m < 0.0 && left_m > before.excess_m;
+    return slides_here() || (slides && is_one_material && (has_moved || grows));
+  }
+  SlideMemory after() const {
+    if (!slides_on()) return {};
+    return {true, mu_of_slide, is_below_cone ? left_m : 0.0};
   }
 
   ProxyState complete(ProxyState state) const {
@@ -131,6 +149,7 @@ struct CoulombFriction : EuclideanNorm {
     set_below_cone(excess_m(lag_m, depth_m));
   }
   void set_below_cone(double excess_m) {
+    left_m = excess_m;
     is_below_cone = excess_m < -(1.0 + cone.dynamic_friction) * rounding_m;
   }
 
@@ -154,6 +173,8 @@ struct GodObject::Bearing {
 template <typename Friction>
 void GodObject::find_cone_at(const Vec3& place, const Bearing& bearing, Friction& friction) {
   friction.cone = {};
+  friction.shares = bearing.shares[0] + bearing.shares[1] + bearing.shares[2];
+  tracer_.count(Work::kContact, static_cast<std::size_t>(projection_.active_count));
   for (std::size_t i = 0; i < static_cast<std::size_t>(projection_.active_count); ++i) {
     const FaceContact& contact = contacts_[projection_.active[i]];
     const FrictionCone cone = friction.source->cones.at(contact, place);
@@ -239,10 +260,12 @@ bool GodObject::roll_to_cone(Friction& friction) {
   const std::optional<RollArc> arc = arc_round(contact);
   if (!arc) return false;
   const auto excess_m = [&](double part) {
+    tracer_.count(Work::kContact, 1);
     const Vec3 place = arc->place(part);
     contact.feature_point = arc->foot(place);
     contact.normal = (place - contact.feature_point).normalized();
     friction.cone = friction.source->cones.at(contact, place);
+    friction.shares = 1.0;
     const Vec3 lag = place - goal_;
     const Vec3 normal = in_motion_plane(contact.normal).value_or(contact.normal);
     const double depth_m = lag.dot(normal);
@@ -283,10 +306,10 @@ ProxyState GodObject::move_with_friction(const Vec3& goal,
   if (!is_source || !is_goal(goal, motion_plane_normal)) return refused();
   const double coordinates_m = world_->size_m() + settings_.radius_m + proxy_.lpNorm<1>() +
                                goal.lpNorm<1>() + source.coordinates_m;
-  CoulombFriction friction{{}, &source, coordinates_m, slides_};
+  CoulombFriction friction{{}, &source, coordinates_m, slide_};
   const ProxyState state = move(goal, motion_plane_normal, friction);
   last_holds_ = state.is_held ? friction.holds_by : std::array<bool, 3>{};
-  slides_ = state.in_contact && friction.slides_on();
+  slide_ = state.in_contact ? friction.after() : SlideMemory{};
   return state;
 }
 
