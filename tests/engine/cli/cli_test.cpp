@@ -852,6 +852,7 @@ TEST_F(CommandLine, DescribesASceneInJson) {
                                    "joined",
                                    "gaps_joined",
                                    "nearest_gap_m",
+                                   "node_seams",
                                    "extent_m",
                                    "bounding_box",
                                    "contours",
