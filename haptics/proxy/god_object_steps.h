@@ -277,14 +277,19 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   projection_ = project(friction, planes());
   if (!projection_.solved) return Progress::kStuck;
   const bool is_sphere = tracer_.radius_m() > 0.0;
-  bool flies = false;
+  bool flies = false;  // to the first plane, without a slide
   if constexpr (Friction::kHolds) {
-    flies = !is_over_next_ && is_off_planes();
+    // Friction acts only at touched planes. The plane of the next face is an exception, unless that
+    // face turns out to have friction where the slide would end.
+    const bool is_off = is_off_planes();
+    flies = is_off && !is_over_next_;
+    const bool holds = !flies && hold_by(friction);
+    flies = flies || (is_off && holds);
     if (flies) {
       friction.begin_step();
       projection_.displacement_m = step_to_planes();
-    } else if (hold_by(friction)) {
-      if (is_sphere && friction.wants_to_slide && roll_to_cone(friction)) return Progress::kStopped;
+    } else if (is_sphere && holds) {
+      if (friction.wants_to_slide && roll_to_cone(friction)) return Progress::kStopped;
     } else if (is_sphere && roll_to_answer()) {
       return Progress::kStopped;
     }

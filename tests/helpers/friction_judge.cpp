@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/QR>
+
 namespace palpate::test {
 namespace {
 
@@ -85,13 +87,15 @@ std::vector<BorneForce> FrictionJudge::borne(std::span<const FrictionFace> faces
   const auto consider = [&](std::span<const std::size_t> chosen) {
     const std::size_t count = chosen.size();
     const auto normal = [&](std::size_t i) -> const Vec3& { return contacts[chosen[i]].normal; };
-    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> columns(3, count);
+    using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
+    Columns columns(3, count);
     for (std::size_t i = 0; i < count; ++i) columns.col(static_cast<Eigen::Index>(i)) = normal(i);
-    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> gram =
-        columns.transpose() * columns;
-    if (gram.determinant() < 1e-12) return;
-    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> parts =
-        gram.inverse() * (columns.transpose() * force_N);
+    // Normals that nearly coincide leave no digits in the products of columns; a QR keeps them.
+    const Eigen::ColPivHouseholderQR<Columns> qr(columns);
+    if (std::abs(qr.matrixR().diagonal().head(static_cast<Eigen::Index>(count)).prod()) < 1e-6) {
+      return;
+    }
+    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> parts = qr.solve(force_N);
     if ((parts.array() < -rounding_N).any()) return;
     BorneForce way;
     const Vec3 along_normals = columns * parts;

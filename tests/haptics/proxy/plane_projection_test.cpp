@@ -95,6 +95,32 @@ TEST(PlaneProjection, IsTheNearestPointThatViolatesNoPlane) {
 
 // Adjacent faces, or a face and the edge of its neighbour, give planes that hardly differ, while a
 // deep goal is far below them. The angles go down to the rounding of a normal.
+// A slide that is much shorter than the depth gains less than the rounding of the squared distance
+// to the goal. It is taken nevertheless: a proxy without friction has no lag along its face.
+TEST(PlaneProjection, TakesASlideThatIsMuchShorterThanTheDepth) {
+  Random random(1907);
+  for (int n = 0; n < 20000; ++n) {
+    const MotionPlane motion_plane(random.unit_vector());
+    const bool is_planar = n % 2 == 0;
+    Vec3 normal = random.unit_vector();
+    if (is_planar) normal = motion_plane.part_of(normal).normalized();
+    const Vec3 along =
+        is_planar ? Vec3(motion_plane.normal().cross(normal)) : normal.unitOrthogonal();
+    const double slide = std::pow(10.0, random.uniform(-13.0, -6.0));
+    const double size = std::pow(10.0, random.uniform(-3.0, 3.0));
+    const Vec3 target = size * (slide * along - normal);
+    std::vector<ContactPlane> planes{{normal, 0.0}};
+    // Another face beside the line of the slide makes the set of planes larger, or the basis.
+    if (n % 4 == 1) planes.push_back({(normal + along.cross(normal)).normalized(), 0.0});
+    if (n % 4 == 3) planes.push_back({(normal - 1e-3 * along.cross(normal)).normalized(), 0.0});
+    const PlaneProjection y = is_planar ? project_within(motion_plane, planes, target)
+                                        : project_onto_planes(planes, target);
+    ASSERT_TRUE(y.solved) << n;
+    const LongVec3 exact = wide(target).dot(wide(along)) * wide(along);
+    ASSERT_LE((wide(y.displacement_m) - exact).norm(), kRoundoff * size) << n << " " << slide;
+  }
+}
+
 TEST(PlaneProjection, ViolatesNoneOfNearlyIdenticalPlanes) {
   Random random(42);
   for (int trial = 0; trial < 200000; ++trial) {
