@@ -56,6 +56,15 @@ double part_to_cone(const Excess& excess_m, double tolerance_m) {
 struct CoulombFriction : EuclideanNorm {
   static constexpr bool kHolds = true;
 
+  // A short slide counts, since a face without dynamic friction bears no lag along it.
+  static PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target) {
+    return project_onto_planes(planes, target, Feasibility::kAtStartPrecise);
+  }
+  static PlaneProjection project_within(const MotionPlane& motion_plane,
+                                        std::span<const ContactPlane> planes, const Vec3& target) {
+    return palpate::project_within(motion_plane, planes, target, Feasibility::kAtStartPrecise);
+  }
+
   const FrictionSource* source;
   double coordinates_m;         // size of the coordinates that this tick computes with
   SlideMemory before;           // of the last tick

@@ -231,7 +231,10 @@ inline void keep_near(std::span<const HalfSpace<Vec>> planes, Projection<Vec>& b
     basis = {};
     return;
   }
-  if (gain < 0.0 && gain_of_little(planes, target, basis) < 0.0) basis.displacement_m.setZero();
+  const bool is_precise = start == Feasibility::kAtStartPrecise;
+  if (gain < 0.0 && !(is_precise && gain_of_little(planes, target, basis) >= 0.0)) {
+    basis.displacement_m.setZero();
+  }
   basis.solved = true;
 }
 

@@ -23,8 +23,10 @@ struct HalfSpace {
 using ContactPlane = HalfSpace<Vec3>;
 
 // kAtStart: y = 0 satisfies every plane. The solution is then never farther from the target than
-// y = 0. kMustMove: y = 0 may violate planes.
-enum class Feasibility : std::uint8_t { kAtStart, kMustMove };
+// y = 0; a solution whose gain is lost in the rounding of squared distances, because it is shorter
+// than about 1e-8 of the target, may be replaced by y = 0. kAtStartPrecise: the same, but only a
+// solution shorter than about 1e-15 of the target may be. kMustMove: y = 0 may violate planes.
+enum class Feasibility : std::uint8_t { kAtStart, kAtStartPrecise, kMustMove };
 
 // The solution of project_onto_planes() and its active planes.
 template <typename Vec>
