@@ -139,8 +139,8 @@ class Conformer {
 
   void join_vertices() {
     const std::vector<SurfaceVertex> all = candidates();
-    for (const PlacedSurface& s : surfaces_) {
-      widest_m_ = std::max(widest_m_, search_.joins_within_m(s.number, s.number));
+    for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
+      widest_m_ = std::max(widest_m_, search_.joins_within_m(s, s));
     }
     grid_.emplace(kCellPerMeeting * widest_m_, all.size() + meetings_.crossings.size());
     for (auto begin = all.begin(); begin != all.end();) {

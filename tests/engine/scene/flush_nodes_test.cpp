@@ -550,6 +550,37 @@ TEST(FlushNodes, JoinWiderGapsOnDemand) {
   EXPECT_EQ(scene.statistics().changed_nodes, 1u);
 }
 
+// Nodes that meet no other node have numbers, too.
+TEST(FlushNodes, AreJoinedAlikeWhereverTheirNumbersAre) {
+  const double step = 0.1 / 7.0;
+  const auto positions_of = [&](std::size_t alone_before) {
+    SceneDescription description;
+    description.path = "numbers.glb";
+    description.meshes.push_back(
+        box_mesh(Vec3::Constant(-0.5 * step), Vec3::Constant(0.5 * step), {1, 1, 1}));
+    for (std::size_t i = 0; i < 60; ++i) {
+      NodeDescription node;
+      const bool is_alone = i < alone_before || i >= alone_before + 10;
+      const auto place = static_cast<double>(i - alone_before);
+      node.name = "node " + std::to_string(i);
+      node.translation_m =
+          is_alone ? Vec3(i * step * 3, 1.0, 0.0) : rounded(Vec3(place * step, 0, 0));
+      node.product = TransformProduct::of(Mat3::Identity(), node.translation_m);
+      description.nodes.push_back(node);
+    }
+    const Scene scene = compiled(std::move(description));
+    EXPECT_EQ(scene.statistics().seam_places, 36u) << alone_before;
+    std::vector<Vec3> positions_m;
+    std::vector<Triangle> triangles;
+    scene.append_triangles_scene(positions_m, triangles);
+    const auto first = static_cast<std::ptrdiff_t>(8 * alone_before);
+    return std::vector<Vec3>(positions_m.begin() + first, positions_m.begin() + first + 80);
+  };
+  const std::vector<Vec3> first = positions_of(0);
+  EXPECT_EQ(positions_of(25), first);
+  EXPECT_EQ(positions_of(50), first);
+}
+
 // Instances of one box at multiples of its width, which are rounded to float.
 TEST(FlushNodes, HoldAPressAtEverySeamOfInstancesWithFloatTranslations) {
   int seams_held = 0;
