@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -445,8 +446,13 @@ class FlushHand {
 
   static constexpr double kAside = 1e-3;
   static constexpr int kMostTicksOfAWay = 50;
-  // In bounds. A face that is turned by the bound at one end turns the way of a slide.
-  static constexpr double kMostNearer = 16.0;
+  // In bounds. A vertex has an error of at most 1 bound. A vertex that is moved to an edge has the
+  // error of the edge across it, and its own one along it: sqrt(2). A second round takes it to an
+  // edge that the first round has bent by as much: sqrt(2) * sqrt(2). No round after the second
+  // changes these bodies. The faces are between their vertices, and the overlap of 1/16 stand-off
+  // and the clearance are less than 1e-3 bounds. A proxy rests against at most three planes. They
+  // are perpendicular to each other, and each of them is displaced by at most 2 bounds.
+  static constexpr double kMostNearer = 2.0 * std::numbers::sqrt3;
 
   Random& random_;
   const Layout& layout_;
