@@ -280,7 +280,6 @@ TEST(BoundaryJoins, ManyEdgesAtFewPointsTakeBoundedWork) {
   const WeldedSurface exact(soup.positions, soup.triangles);
   const BoundaryJoins joins = find_boundary_joins(exact);
   EXPECT_GT(joins.ambiguous_edges, 10000u);
-  EXPECT_GT(joins.capped_edges, 10000u);
   EXPECT_EQ(joined(soup).report().dropped_degenerate, exact.report().dropped_degenerate);
 }
 
