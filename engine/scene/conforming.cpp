@@ -97,8 +97,6 @@ class Conformer {
   }
 
  private:
-  using SurfaceVertex = std::pair<std::uint32_t, std::uint32_t>;
-
   const WeldedSurface& mesh(std::uint32_t s) const { return meshes_[surfaces_[s].mesh]; }
   Vec3 given(std::uint32_t s, std::uint32_t v) const {
     return surfaces_[s].vertex(mesh(s).positions()[v]);
@@ -124,39 +122,39 @@ class Conformer {
     return std::min(h, mesh(s).mates().aligned[h]);
   }
 
-  std::vector<SurfaceVertex> candidates() const {
-    std::vector<SurfaceVertex> all;
+  // Per surface, the vertices that meet others, ascending.
+  std::vector<std::vector<std::uint32_t>> candidates() const {
+    std::vector<std::vector<std::uint32_t>> of(surfaces_.size());
     for (const VertexOnVertex& m : meetings_.vertices) {
-      all.emplace_back(m.a, m.vertex_a);
-      all.emplace_back(m.b, m.vertex_b);
+      of[m.a].push_back(m.vertex_a);
+      of[m.b].push_back(m.vertex_b);
     }
-    for (const VertexOnEdge& m : meetings_.on_edges) all.emplace_back(m.surface, m.vertex);
-    for (const VertexOnFace& m : meetings_.on_faces) all.emplace_back(m.surface, m.vertex);
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
+    for (const VertexOnEdge& m : meetings_.on_edges) of[m.surface].push_back(m.vertex);
+    for (const VertexOnFace& m : meetings_.on_faces) of[m.surface].push_back(m.vertex);
+    for (std::vector<std::uint32_t>& vertices : of) {
+      std::sort(vertices.begin(), vertices.end());
+      vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    }
+    return of;
   }
 
   void join_vertices() {
-    const std::vector<SurfaceVertex> all = candidates();
-    for (const PlacedSurface& s : surfaces_) {
-      widest_m_ = std::max(widest_m_, search_.joins_within_m(s.number, s.number));
+    const std::vector<std::vector<std::uint32_t>> of = candidates();
+    std::size_t count = meetings_.crossings.size();
+    for (const std::vector<std::uint32_t>& vertices : of) count += vertices.size();
+    for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
+      widest_m_ = std::max(widest_m_, search_.joins_within_m(s, s));
     }
-    grid_.emplace(kCellPerMeeting * widest_m_, all.size() + meetings_.crossings.size());
-    for (auto begin = all.begin(); begin != all.end();) {
-      const auto end = std::find_if(
-          begin, all.end(), [&](const SurfaceVertex& v) { return v.first != begin->first; });
-      join(begin->first, {begin, end});
-      begin = end;
-    }
+    grid_.emplace(kCellPerMeeting * widest_m_, count);
+    for (std::uint32_t s = 0; s < of.size(); ++s) join(s, of[s]);
   }
 
   // Joins the vertices of a surface and places, the nearest pairs first. Each remaining vertex
   // becomes a new place.
-  void join(std::uint32_t s, std::span<const SurfaceVertex> vertices) {
+  void join(std::uint32_t s, std::span<const std::uint32_t> vertices) {
     std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;
     for (std::uint32_t c = 0; c < vertices.size(); ++c) {
-      const Vec3 p = given(s, vertices[c].second);
+      const Vec3 p = given(s, vertices[c]);
       grid_->visit_near(p, widest_m_, [&](std::uint32_t n) {
         const double distance_m = (p - places_[n].position_m).norm();
         if (distance_m <= search_.joins_within_m(s, places_[n].first)) {
@@ -172,11 +170,11 @@ class Conformer {
       if (is_joined[c] || places_[n].vertices_of.back() == s) continue;
       is_joined[c] = true;
       places_[n].vertices_of.push_back(s);
-      own.push_back({vertices[c].second, n});
+      own.push_back({vertices[c], n});
     }
     for (std::uint32_t c = 0; c < vertices.size(); ++c) {
       if (is_joined[c]) continue;
-      own.push_back({vertices[c].second, add_place(given(s, vertices[c].second), s, {s})});
+      own.push_back({vertices[c], add_place(given(s, vertices[c]), s, {s})});
     }
     std::sort(own.begin(), own.end(),
               [](const PlacedVertex& a, const PlacedVertex& b) { return a.vertex < b.vertex; });

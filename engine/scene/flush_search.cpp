@@ -42,6 +42,10 @@ constexpr std::uint64_t kMostWork = std::uint64_t{1} << 24;
 constexpr std::uint64_t kWorkPerSurface = 4096;
 constexpr std::uint64_t kWorkPerFace = 64;
 
+// The vertices of a surface with at most this many are placed once; with more, whenever they are
+// examined, because few of them are near another surface.
+constexpr std::size_t kMostPlaced = 64;
+
 struct SegmentPair {
   double s, t;  // fractions of the two segments
   double distance_m;
@@ -58,7 +62,9 @@ std::optional<SegmentPair> nearest_within(const Vec3& p, const Vec3& p_end, cons
   const double apart_m = kDivergesPerBound * bound_m;
   if (!(across.squaredNorm() > apart_m * apart_m * std::max(dd, ee))) return std::nullopt;
   const double s = (q - p).cross(e).dot(across) / across.squaredNorm();
+  if (!(s > 0.0 && s < 1.0)) return std::nullopt;
   const double t = (q - p).cross(d).dot(across) / across.squaredNorm();
+  if (!(t > 0.0 && t < 1.0)) return std::nullopt;
   const double within_s = bound_m / std::sqrt(dd);
   const double within_t = bound_m / std::sqrt(ee);
   if (!(s > within_s && s < 1 - within_s && t > within_t && t < 1 - within_t)) return std::nullopt;
@@ -152,6 +158,8 @@ FlushSearch::FlushSearch(const std::vector<WeldedSurface>& meshes, std::span<con
       ledger_(ledger) {
   limit_ = kMostWork + kWorkPerSurface * surfaces.size();
   for (const WeldedSurface& m : meshes) limit_ += kWorkPerFace * m.face_count();
+  features_.resize(meshes.size());
+  first_placed_.assign(surfaces.size(), kNotPlaced);
 }
 
 double FlushSearch::joins_within_m(std::uint32_t s, std::uint32_t other) const {
@@ -161,6 +169,7 @@ double FlushSearch::joins_within_m(std::uint32_t s, std::uint32_t other) const {
 Result<Meetings> FlushSearch::find() {
   const std::uint64_t tree_bytes = OverlapTree::bytes(surfaces_.size());
   if (auto error = ledger_.check(tree_bytes + surfaces_.size() * sizeof(Box))) return *error;
+  place_small_meshes();
   std::vector<Box> boxes;
   boxes.reserve(surfaces_.size());
   for (const PlacedSurface& s : surfaces_) boxes.push_back(s.box_m);
@@ -181,6 +190,23 @@ Result<Meetings> FlushSearch::find() {
   Meetings none;
   none.is_complete = false;
   return none;
+}
+
+// If memory is short, no vertices are stored.
+void FlushSearch::place_small_meshes() {
+  std::size_t count = 0;
+  const auto is_small = [&](std::uint32_t s) { return mesh(s).positions().size() <= kMostPlaced; };
+  for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
+    if (is_small(s)) count += mesh(s).positions().size();
+  }
+  if (ledger_.check(count * sizeof(Vec3))) return;
+  features_bytes_ += count * sizeof(Vec3);
+  placed_m_.reserve(count);
+  for (std::uint32_t s = 0; s < surfaces_.size(); ++s) {
+    if (!is_small(s)) continue;
+    first_placed_[s] = placed_m_.size();
+    for (const Vec3& v : mesh(s).positions()) placed_m_.push_back(surfaces_[s].vertex(v));
+  }
 }
 
 bool FlushSearch::make_features(std::uint32_t mesh) {
@@ -206,13 +232,13 @@ std::uint64_t FlushSearch::bytes_of_meetings() const {
 void FlushSearch::search_pair(std::uint32_t a, std::uint32_t b) {
   if (!make_features(surfaces_[a].mesh) || !make_features(surfaces_[b].mesh)) return;
   const Box box_m = intersection(surfaces_[a].box_m, surfaces_[b].box_m);
-  const std::vector<std::uint32_t> faces_a = faces_in(a, box_m);
-  const std::vector<std::uint32_t> faces_b = faces_in(b, box_m);
-  if (faces_a.empty() || faces_b.empty()) return;
-  search_vertices(a, b, box_m, faces_a);
-  search_vertices(b, a, box_m, faces_b);
-  search_edges(a, b, faces_a);
-  search_edges(b, a, faces_b);
+  find_faces(a, box_m, faces_a_);
+  find_faces(b, box_m, faces_b_);
+  if (faces_a_.empty() || faces_b_.empty()) return;
+  search_vertices(a, b, box_m, faces_a_);
+  search_vertices(b, a, box_m, faces_b_);
+  search_edges(a, b, faces_a_);
+  search_edges(b, a, faces_b_);
   is_memory_short_ = ledger_.check(features_bytes_ + bytes_of_meetings()).has_value();
 }
 
@@ -225,47 +251,56 @@ Box FlushSearch::box_in_mesh(std::uint32_t s, const Box& box_m) const {
 }
 
 // The faces whose boxes meet a box, ascending.
-std::vector<std::uint32_t> FlushSearch::faces_in(std::uint32_t s, const Box& box_m) {
-  std::vector<std::uint32_t> faces;
+void FlushSearch::find_faces(std::uint32_t s, const Box& box_m, std::vector<std::uint32_t>& faces) {
+  faces.clear();
   features(s).tree().visit(box_in_mesh(s, box_m), work_, [&](std::uint32_t f) {
     faces.push_back(f);
     return !gives_up();
   });
   std::sort(faces.begin(), faces.end());
-  return faces;
 }
 
-Vec3 FlushSearch::start_of(std::uint32_t s, std::uint32_t h) const {
-  return position(s, mesh(s).faces()[h / 3][h % 3]);
-}
-
-// Of equally near features, the one with the lowest number.
-FlushSearch::Nearest FlushSearch::nearest(std::uint32_t other, const Vec3& p, double radius_m) {
+// The features near p: vertices up to kReportedPerJoin bounds away, others up to one bound. Of
+// equally near features, the one with the lowest number. A vertex within the bound makes edges
+// needless, and either of them makes faces needless: then these are not examined.
+FlushSearch::Nearest FlushSearch::nearest(std::uint32_t other, const Vec3& p, double bound_m,
+                                          bool needs_face) {
   Nearest best;
   const MeshFeatures& near = features(other);
-  const Box box_m = Box{p, p}.grown(radius_m);
+  const std::span<const Triangle> triangles = mesh(other).faces();
+  const Box box_m = Box{p, p}.grown(kReportedPerJoin * bound_m);
   const auto improve = [](double distance_m, std::uint32_t number, double& best_m,
                           std::uint32_t& best_number) {
     if (distance_m > best_m || (distance_m == best_m && number >= best_number)) return;
     best_m = distance_m;
     best_number = number;
   };
+  near_faces_.clear();
   near.tree().visit(box_in_mesh(other, box_m), work_, [&](std::uint32_t f) {
-    const Triangle& face = mesh(other).faces()[f];
-    const Vec3 corners[3] = {position(other, face[0]), position(other, face[1]),
-                             position(other, face[2])};
-    for (std::uint32_t c = 0; c < 3; ++c) {
-      improve((p - corners[c]).norm(), face[c], best.vertex_m, best.vertex);
-      if (!near.is_sharp_edge(3 * f + c)) continue;
-      const Vec3 d = corners[(c + 1) % 3] - corners[c];
-      const double t = d.dot(p - corners[c]) / d.squaredNorm();
-      if (!(t > 0.0 && t < 1.0)) continue;
-      improve((p - corners[c] - t * d).norm(), 3 * f + c, best.edge_m, best.half_edge);
+    near_faces_.push_back(f);
+    for (const std::uint32_t v : triangles[f]) {
+      improve((p - position(other, v)).norm(), v, best.vertex_m, best.vertex);
     }
-    improve(distance_from(corners[0], corners[1], corners[2], p), f, best.face_m, best.face);
     work_ += 4;
     return true;
   });
+  if (best.vertex_m <= bound_m) return best;
+  for (const std::uint32_t f : near_faces_) {
+    for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      if (!near.is_sharp_edge(h)) continue;
+      const Vec3 from = start_of(other, h);
+      const Vec3 d = start_of(other, next_half_edge(h)) - from;
+      const double t = d.dot(p - from) / d.squaredNorm();
+      if (!(t > 0.0 && t < 1.0)) continue;
+      improve((p - from - t * d).norm(), h, best.edge_m, best.half_edge);
+    }
+  }
+  if (best.edge_m <= bound_m || !needs_face) return best;
+  for (const std::uint32_t f : near_faces_) {
+    const auto [a, b, c] = triangles[f];
+    improve(distance_from(position(other, a), position(other, b), position(other, c), p), f,
+            best.face_m, best.face);
+  }
   return best;
 }
 
@@ -308,21 +343,21 @@ int FlushSearch::side_of_edge(std::uint32_t s, std::uint32_t half_edge, std::uin
 
 void FlushSearch::search_vertices(std::uint32_t s, std::uint32_t other, const Box& box_m,
                                   std::span<const std::uint32_t> faces) {
-  std::vector<std::uint32_t> vertices;
+  vertices_.clear();
   for (const std::uint32_t f : faces) {
     const Triangle& face = mesh(s).faces()[f];
-    vertices.insert(vertices.end(), face.begin(), face.end());
+    vertices_.insert(vertices_.end(), face.begin(), face.end());
   }
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  std::sort(vertices_.begin(), vertices_.end());
+  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   const double bound_m = joins_within_m(s, other);
-  for (const std::uint32_t v : vertices) {
+  for (const std::uint32_t v : vertices_) {
     ++work_;
     if (gives_up()) return;
     const Vec3 p = position(s, v);
     if (!box_m.contains(p)) continue;
     const bool is_sharp = features(s).is_sharp_vertex(v);
-    const Nearest near = nearest(other, p, kReportedPerJoin * bound_m);
+    const Nearest near = nearest(other, p, bound_m, is_sharp);
     if (near.vertex_m <= bound_m) {
       const bool joins = is_sharp || features(other).is_sharp_vertex(near.vertex);
       if (joins && s < other) found_.vertices.push_back({s, v, other, near.vertex});
@@ -346,7 +381,6 @@ void FlushSearch::search_edges(std::uint32_t s, std::uint32_t other,
                                std::span<const std::uint32_t> faces) {
   const MeshFeatures& own = features(s);
   const MeshFeatures& others = features(other);
-  const WeldedSurface& other_mesh = mesh(other);
   const double bound_m = joins_within_m(s, other);
   const auto tight = [&](std::uint32_t n) {
     return surfaces_[n].box_m.grown(bound_m - surfaces_[n].margin_m);
@@ -371,8 +405,9 @@ void FlushSearch::search_edges(std::uint32_t s, std::uint32_t other,
       others.tree().visit(box_in_mesh(other, edge.box_m.grown(bound_m)), work_,
                           [&](std::uint32_t g) {
                             for (std::uint32_t k = 3 * g; k < 3 * g + 3; ++k) {
-                              const bool is_first = other_mesh.mates().aligned[k] > k;
-                              if (is_first) cross(edge, other, k);
+                              // Two sharp edges are found from the surface with the higher number.
+                              const bool is_found = s < other && others.is_sharp_edge(k);
+                              if (others.is_first(k) && !is_found) cross(edge, other, k);
                             }
                             work_ += 4;
                             return !gives_up();
@@ -396,7 +431,6 @@ bool FlushSearch::lies_along(std::uint32_t s, std::uint32_t half_edge, const Vec
 
 void FlushSearch::cross(const Edge& edge, std::uint32_t other, std::uint32_t other_half_edge) {
   const bool is_sharp = features(other).is_sharp_edge(other_half_edge);
-  if (is_sharp && edge.surface < other) return;  // found from the other surface
   const Vec3 from = start_of(other, other_half_edge);
   const Vec3 to = start_of(other, next_half_edge(other_half_edge));
   if (!OverlapTree::meet(Box{from.cwiseMin(to), from.cwiseMax(to)}.grown(edge.bound_m),

@@ -3,7 +3,6 @@
 // Finds where surfaces of different nodes meet to within the rounding of the file's numbers.
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -87,20 +86,21 @@ struct Meetings {
 // kMostWork, or if memory is short. Deterministic.
 class FlushSearch {
  public:
-  // meshes and surfaces must outlive this object. reaches_m: MeshOutline::reach_m of each mesh.
+  // meshes and surfaces must outlive this object. boxes: of the meshes, mesh frame.
   FlushSearch(const std::vector<WeldedSurface>& meshes, std::span<const Box> boxes,
               std::span<const PlacedSurface> surfaces, double close_gaps_m, MemoryLedger& ledger);
 
   Result<Meetings> find();
 
   // The features of a surface that meets another one.
-  const MeshFeatures& features(std::uint32_t s) const { return *features_.at(surfaces_[s].mesh); }
+  const MeshFeatures& features(std::uint32_t s) const { return *features_[surfaces_[s].mesh]; }
   double joins_within_m(std::uint32_t s, std::uint32_t other) const;
 
  private:
   struct Nearest;
   struct Edge;
 
+  void place_small_meshes();
   void search_pair(std::uint32_t a, std::uint32_t b);
   bool make_features(std::uint32_t mesh);
   std::uint64_t bytes_of_meetings() const;
@@ -111,17 +111,20 @@ class FlushSearch {
   bool lies_along(std::uint32_t s, std::uint32_t half_edge, const Vec3& from, const Vec3& to,
                   double bound_m) const;
   void cross(const Edge& edge, std::uint32_t other, std::uint32_t other_half_edge);
-  std::vector<std::uint32_t> faces_in(std::uint32_t s, const Box& box_m);
-  Nearest nearest(std::uint32_t other, const Vec3& p, double radius_m);
+  void find_faces(std::uint32_t s, const Box& box_m, std::vector<std::uint32_t>& faces);
+  Nearest nearest(std::uint32_t other, const Vec3& p, double bound_m, bool needs_face);
   int side_of_vertex(std::uint32_t s, std::uint32_t vertex, std::uint32_t other, std::uint32_t face,
                      double tolerance_m) const;
   int side_of_edge(std::uint32_t s, std::uint32_t half_edge, std::uint32_t other,
                    std::uint32_t face, double tolerance_m) const;
   const WeldedSurface& mesh(std::uint32_t s) const { return meshes_[surfaces_[s].mesh]; }
   Vec3 position(std::uint32_t s, std::uint32_t v) const {
-    return surfaces_[s].vertex(mesh(s).positions()[v]);
+    const std::size_t first = first_placed_[s];
+    return first != kNotPlaced ? placed_m_[first + v] : surfaces_[s].vertex(mesh(s).positions()[v]);
   }
-  Vec3 start_of(std::uint32_t s, std::uint32_t h) const;
+  Vec3 start_of(std::uint32_t s, std::uint32_t h) const {
+    return position(s, mesh(s).faces()[h / 3][h % 3]);
+  }
   Box box_in_mesh(std::uint32_t s, const Box& box_m) const;
   double height(std::uint32_t other, std::uint32_t face, const Vec3& p) const;
 
@@ -130,7 +133,13 @@ class FlushSearch {
   std::span<const PlacedSurface> surfaces_;
   double close_gaps_m_;
   MemoryLedger& ledger_;
-  std::map<std::uint32_t, std::unique_ptr<MeshFeatures>> features_;  // of meshes near others
+  std::vector<std::unique_ptr<MeshFeatures>> features_;  // by mesh; of meshes near others
+  // The vertices of surfaces with few vertices, solver frame, and where those of a surface begin.
+  static constexpr std::size_t kNotPlaced = ~std::size_t{0};
+  std::vector<Vec3> placed_m_;
+  std::vector<std::size_t> first_placed_;
+  // Of the pair or the point that is searched; members, so that no pair allocates.
+  std::vector<std::uint32_t> faces_a_, faces_b_, near_faces_, vertices_;
   std::uint64_t features_bytes_ = 0;
   std::uint64_t work_ = 0;
   std::uint64_t limit_ = 0;  // of the work

@@ -32,7 +32,7 @@ MeshFeatures::MeshFeatures(const WeldedSurface& mesh, double flat_m)
     : tree_(boxes_of_faces(mesh)),
       starts_(3 * mesh.face_count()),
       first_(mesh.positions().size() + 1, 0),
-      sharp_edges_(3 * mesh.face_count(), true),
+      edges_(3 * mesh.face_count(), Edge{true, true}),
       sharp_vertices_(mesh.positions().size(), false) {
   const std::span<const Triangle> faces = mesh.faces();
   for (const Triangle& t : faces) {
@@ -43,9 +43,10 @@ MeshFeatures::MeshFeatures(const WeldedSurface& mesh, double flat_m)
   for (std::uint32_t h = 0; h < starts_.size(); ++h) starts_[next[faces[h / 3][h % 3]]++] = h;
   for (std::uint32_t h = 0; h < starts_.size(); ++h) {
     const std::uint32_t mate = mesh.mates().aligned[h];
+    edges_[h].is_first = mate > h;
     if (mate != kNoHalfEdge && is_in_plane(mesh, h, mate, flat_m) &&
         is_in_plane(mesh, mate, h, flat_m)) {
-      sharp_edges_[h] = false;
+      edges_[h].is_sharp = false;
       continue;
     }
     sharp_vertices_[faces[h / 3][h % 3]] = true;
@@ -55,7 +56,8 @@ MeshFeatures::MeshFeatures(const WeldedSurface& mesh, double flat_m)
 
 std::uint64_t MeshFeatures::bytes(const WeldedSurface& mesh) {
   const std::uint64_t faces = mesh.face_count();
-  return OverlapTree::bytes(faces) + faces * (sizeof(Box) + 3 * sizeof(std::uint32_t) + 1) +
+  return OverlapTree::bytes(faces) +
+         faces * (sizeof(Box) + 3 * (sizeof(std::uint32_t) + sizeof(Edge))) +
          mesh.positions().size() * (2 * sizeof(std::uint32_t) + 1);
 }
 

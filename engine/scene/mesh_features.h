@@ -24,7 +24,9 @@ class MeshFeatures {
   static std::uint64_t bytes(const WeldedSurface& mesh);
 
   const OverlapTree& tree() const { return tree_; }  // of the faces' boxes, mesh frame
-  bool is_sharp_edge(std::uint32_t half_edge) const { return sharp_edges_[half_edge]; }
+  bool is_sharp_edge(std::uint32_t half_edge) const { return edges_[half_edge].is_sharp; }
+  // Whether it is the lower one of the two half-edges of its edge, or the only one.
+  bool is_first(std::uint32_t half_edge) const { return edges_[half_edge].is_first; }
   bool is_sharp_vertex(std::uint32_t vertex) const { return sharp_vertices_[vertex]; }
   // The half-edges that start at a vertex, ascending.
   std::span<const std::uint32_t> starting_at(std::uint32_t vertex) const {
@@ -32,10 +34,15 @@ class MeshFeatures {
   }
 
  private:
+  struct Edge {
+    bool is_sharp : 1;
+    bool is_first : 1;
+  };
+
   OverlapTree tree_;
   std::vector<std::uint32_t> starts_;
   std::vector<std::uint32_t> first_;  // per vertex, the first of its entries in starts_
-  std::vector<bool> sharp_edges_;
+  std::vector<Edge> edges_;           // by half-edge
   std::vector<bool> sharp_vertices_;
 };
 

@@ -23,8 +23,10 @@ namespace {
 constexpr double kMostGapPerExtent = 0.1;
 
 // Gaps are measured for the first surfaces that have at most this many boundary edges together,
-// which takes a second.
+// which takes a second, as long as edges pass few vertices. Where they pass many, the number of
+// examined leaves limits the time to a few seconds.
 constexpr std::size_t kMostMeasuredEdges = 100000;
+constexpr std::size_t kMostMeasuredLeaves = std::size_t{1} << 23;
 
 // The gaps that are tried have lengths from this part of the extent of the scene to
 // kMostGapPerExtent; each is twice the one before.
@@ -80,13 +82,26 @@ std::string text_of(const JoinStatistics& joins) {
          std::to_string(joins.divided_edges) + " edges are divided at vertices that lie on them";
 }
 
-// The nearest gap of one surface; infinite if no gap that is narrow enough can be joined.
-double nearest_gap_m(const WeldedSurface& surface, GapLimit limit, double extent_m) {
+std::string warning_of_capped(std::size_t capped_edges) {
+  return "boundaries: " + std::to_string(capped_edges) +
+         " boundary edges stay open, because very many edges or vertices are near them, and the "
+         "search for those that they meet has a limit in proportion to the size of the mesh; a "
+         "point "
+         "may pass there. Weld the vertices of the mesh, or leave out the part where its triangles "
+         "cross each other";
+}
+
+// The nearest gap of one surface; infinite if no gap that is narrow enough can be joined, or if
+// leaves_left is 0.
+double nearest_gap_m(const WeldedSurface& surface, GapLimit limit, double extent_m,
+                     std::size_t& leaves_left) {
   const double most_m = kMostGapPerExtent * extent_m;
   for (limit.most_m = kLeastMeasuredPerExtent * extent_m; limit.most_m < most_m;
        limit.most_m *= 2) {
     const BoundaryJoins found = find_boundary_joins(surface, limit);
     if (found.changes.joined_edges > 0) return found.nearest_m;
+    leaves_left -= std::min(leaves_left, found.examined_leaves);
+    if (leaves_left == 0) break;
   }
   return std::numeric_limits<double>::infinity();
 }
@@ -113,14 +128,17 @@ std::optional<Error> Scene::join_boundaries(const std::vector<GapLimit>& limits,
     found[k] = find_boundary_joins(welded_[open[k]], limits.empty() ? GapLimit{} : limits[open[k]]);
   });
   needs.clear();
+  std::size_t capped_edges = 0;
   for (std::size_t k = 0; k < open.size(); ++k) {
     add(found[k], joins);
+    capped_edges += found[k].capped_edges;
     if (found[k].changes.empty()) continue;
     const WeldedSurface& mesh = welded_[open[k]];
     MemoryNeed need = mesh.memory_need_of_change(found[k].changes.divisions.size());
     need.peak += boundary_joins_memory(mesh);
     needs.push_back(need);
   }
+  if (capped_edges > 0) statistics_.warnings.push_back(warning_of_capped(capped_edges));
   if (auto error = ledger_->take(sum_of(std::move(needs), core_count()))) return error;
   run_each(0, open.size(), [&](std::size_t k) {
     if (!found[k].changes.empty()) welded_[open[k]].change(found[k].changes);
@@ -159,13 +177,23 @@ std::optional<Error> Scene::close_gaps(const std::vector<NodeDescription>& nodes
   if (!settings.measures_gaps) return std::nullopt;
   double nearest_m = std::numeric_limits<double>::infinity();
   std::size_t edges_left = kMostMeasuredEdges;
+  std::size_t leaves_left = kMostMeasuredLeaves;
+  std::size_t not_measured = 0;
   for (std::size_t i = 0; i < welded_.size(); ++i) {
     const std::size_t edges = welded_[i].report().boundary_edges;
-    if (edges > edges_left) continue;
-    edges_left -= edges;
-    nearest_m = std::min(nearest_m, nearest_gap_m(welded_[i], limits[i], extent_m));
+    const bool is_measured = edges <= edges_left && leaves_left > 0;
+    if (is_measured) {
+      edges_left -= edges;
+      nearest_m = std::min(nearest_m, nearest_gap_m(welded_[i], limits[i], extent_m, leaves_left));
+    }
+    if (!is_measured || leaves_left == 0) not_measured += edges;
   }
   if (std::isfinite(nearest_m)) statistics_.nearest_gap_m = nearest_m;
+  if (not_measured > 0) {
+    statistics_.notes.push_back(
+        "gaps: how far apart open edges are was not measured completely at " +
+        std::to_string(not_measured) + " boundary edges, because it would take long");
+  }
   return std::nullopt;
 }
 

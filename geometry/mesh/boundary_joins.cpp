@@ -206,6 +206,7 @@ class JoinSearch {
       }
       return mate != kSeveral;
     });
+    if (visits > kMostNear) ++capped_edges_;
     return is_complete ? mate : kSeveral;
   }
 
@@ -230,6 +231,7 @@ class JoinSearch {
                is_wrong[sets_.lowest(edge.to)];
       });
       ambiguous_edges_ += 2 * (before - pairs_.size());
+      if (round >= kMostRounds) capped_edges_ += 2 * (before - pairs_.size());
     }
   }
 
@@ -310,7 +312,8 @@ class JoinSearch {
     positions.reserve(ends.size());
     for (const std::uint32_t v : ends) positions.push_back(position(v));
     const PointTree tree(std::move(positions));
-    std::size_t leaves_left = kMostLeaves * (edges.size() + ends.size());
+    const std::size_t most_leaves = kMostLeaves * (edges.size() + ends.size());
+    std::size_t leaves_left = most_leaves;
     std::size_t places_left = kMostPlaces * ends.size() + 1;
     std::vector<Place> places;
     for (const std::uint32_t e : edges) {
@@ -318,8 +321,10 @@ class JoinSearch {
       if (places_left == 0 || !find_places(e, ends, tree, leaves_left, places_left, places)) {
         places.resize(first);
         ++ambiguous_edges_;
+        if (places_left == 0 || leaves_left == 0) ++capped_edges_;
       }
     }
+    examined_leaves_ += most_leaves - leaves_left;
     erase_places_on_two_edges(places);
     return places;
   }
@@ -467,6 +472,8 @@ class JoinSearch {
                 return std::pair(x.half_edge, x.along) < std::pair(y.half_edge, y.along);
               });
     joins.ambiguous_edges = ambiguous_edges_;
+    joins.capped_edges = capped_edges_;
+    joins.examined_leaves = examined_leaves_;
     for (const Pair& p : pairs_) joins.nearest_m = std::min(joins.nearest_m, p.apart_m);
     return joins;
   }
@@ -571,6 +578,8 @@ class JoinSearch {
   LowestUnion sets_;  // vertices that are joined
   std::vector<std::vector<std::uint32_t>> holes_;
   std::size_t ambiguous_edges_ = 0;
+  std::size_t capped_edges_ = 0;
+  std::size_t examined_leaves_ = 0;
 };
 
 }  // namespace

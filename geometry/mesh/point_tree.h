@@ -23,7 +23,7 @@ class PointTree {
   explicit PointTree(std::vector<Vec3> points);
 
   static constexpr std::uint64_t bytes(std::size_t points) {
-    return points * (sizeof(Vec3) + sizeof(std::uint32_t) + sizeof(Cut)) + 64;
+    return points * (sizeof(Vec3) + sizeof(Entry) + sizeof(Cut)) + 64;
   }
 
   const Vec3& point(std::uint32_t number) const { return points_[number]; }
@@ -48,7 +48,14 @@ class PointTree {
  private:
   static constexpr std::uint32_t kLeaf = 8;  // points of a leaf, at most
 
-  // The points order_[begin] to order_[end - 1]. The children of inner node n are 2n and 2n + 1.
+  // A copy of a point, so that the points of a leaf are side by side in memory.
+  struct Entry {
+    Vec3 point;
+    std::uint32_t number;
+  };
+
+  // The points of entries_[begin] to entries_[end - 1]. The children of inner node n are 2n and 2n
+  // + 1.
   struct Node {
     std::uint32_t number, begin, end;
     bool is_leaf() const { return end - begin <= kLeaf; }
@@ -67,14 +74,14 @@ class PointTree {
     int axis = 0;
   };
 
-  Node root() const { return {1, 0, static_cast<std::uint32_t>(order_.size())}; }
+  Node root() const { return {1, 0, static_cast<std::uint32_t>(entries_.size())}; }
   void divide(const Node& node);
 
   template <typename Visit>
   bool visit_box(const Node& node, const Box& box, const Visit& visit) const {
     if (node.is_leaf()) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        if (box.contains(points_[order_[i]]) && !visit(order_[i])) return false;
+        if (box.contains(entries_[i].point) && !visit(entries_[i].number)) return false;
       }
       return true;
     }
@@ -93,7 +100,7 @@ class PointTree {
       const Vec3 p = segment.start + from * segment.along, q = segment.start + to * segment.along;
       const Box box{p.cwiseMin(q) - segment.margin, p.cwiseMax(q) + segment.margin};
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        if (box.contains(points_[order_[i]]) && !visit(order_[i])) return false;
+        if (box.contains(entries_[i].point) && !visit(entries_[i].number)) return false;
       }
       return true;
     }
@@ -125,8 +132,8 @@ class PointTree {
   }
 
   std::vector<Vec3> points_;
-  std::vector<std::uint32_t> order_;  // the numbers of the points, node by node
-  std::vector<Cut> cuts_;             // by the number of the inner node
+  std::vector<Entry> entries_;  // node by node
+  std::vector<Cut> cuts_;       // by the number of the inner node
 };
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -445,8 +446,13 @@ class FlushHand {
 
   static constexpr double kAside = 1e-3;
   static constexpr int kMostTicksOfAWay = 50;
-  // In bounds. A face that is turned by the bound at one end turns the way of a slide.
-  static constexpr double kMostNearer = 16.0;
+  // In bounds. A vertex has an error of at most 1 bound. A vertex that is moved to an edge has the
+  // error of the edge across it, and its own one along it: sqrt(2). A second round takes it to an
+  // edge that the first round has bent by as much: sqrt(2) * sqrt(2). No round after the second
+  // changes these bodies. The faces are between their vertices, and the overlap of 1/16 stand-off
+  // and the clearance are less than 1e-3 bounds. A proxy rests against at most three planes. They
+  // are perpendicular to each other, and each of them is displaced by at most 2 bounds.
+  static constexpr double kMostNearer = 2.0 * std::numbers::sqrt3;
 
   Random& random_;
   const Layout& layout_;
@@ -548,6 +554,37 @@ TEST(FlushNodes, JoinWiderGapsOnDemand) {
   const Scene scene = two_boxes(1e-3, settings);
   EXPECT_EQ(scene.statistics().seam_places, 4u);
   EXPECT_EQ(scene.statistics().changed_nodes, 1u);
+}
+
+// Nodes that meet no other node have numbers, too.
+TEST(FlushNodes, AreJoinedAlikeWhereverTheirNumbersAre) {
+  const double step = 0.1 / 7.0;
+  const auto positions_of = [&](std::size_t alone_before) {
+    SceneDescription description;
+    description.path = "numbers.glb";
+    description.meshes.push_back(
+        box_mesh(Vec3::Constant(-0.5 * step), Vec3::Constant(0.5 * step), {1, 1, 1}));
+    for (std::size_t i = 0; i < 60; ++i) {
+      NodeDescription node;
+      const bool is_alone = i < alone_before || i >= alone_before + 10;
+      const auto place = static_cast<double>(i - alone_before);
+      node.name = "node " + std::to_string(i);
+      node.translation_m =
+          is_alone ? Vec3(i * step * 3, 1.0, 0.0) : rounded(Vec3(place * step, 0, 0));
+      node.product = TransformProduct::of(Mat3::Identity(), node.translation_m);
+      description.nodes.push_back(node);
+    }
+    const Scene scene = compiled(std::move(description));
+    EXPECT_EQ(scene.statistics().seam_places, 36u) << alone_before;
+    std::vector<Vec3> positions_m;
+    std::vector<Triangle> triangles;
+    scene.append_triangles_scene(positions_m, triangles);
+    const auto first = static_cast<std::ptrdiff_t>(8 * alone_before);
+    return std::vector<Vec3>(positions_m.begin() + first, positions_m.begin() + first + 80);
+  };
+  const std::vector<Vec3> first = positions_of(0);
+  EXPECT_EQ(positions_of(25), first);
+  EXPECT_EQ(positions_of(50), first);
 }
 
 // Instances of one box at multiples of its width, which are rounded to float.

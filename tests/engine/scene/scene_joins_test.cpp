@@ -194,6 +194,22 @@ TEST(SceneJoins, AGapThatMeetsSeveralEdgesGivesAWarning) {
 }
 
 // A texture coordinate is linear on a square, also where an edge of it was divided.
+TEST(SceneJoins, EdgesThatAreNotExaminedGiveAWarning) {
+  Random random(4509);
+  Soup soup;
+  for (int i = 0; i < 1000; ++i) {
+    const double in = 0.499e-3 * i;
+    soup.add({in, 0, 0}, {1 - in, 0, 0}, {0.5, random.uniform(-1, 1), random.uniform(0.1, 1)});
+  }
+  SceneDescription description = described(soup);
+  const Scene scene = compiled(std::move(description));
+  const SceneStatistics& s = scene.statistics();
+  ASSERT_EQ(s.warnings.size(), 1u);
+  EXPECT_NE(s.warnings[0].find(" boundary edges stay open, because very many edges or vertices"),
+            std::string::npos)
+      << s.warnings[0];
+}
+
 TEST(SceneJoins, PiecesKeepMaterialsAndSources) {
   SceneDescription description = described(two_squares());
   MeshDescription& mesh = description.meshes[0];

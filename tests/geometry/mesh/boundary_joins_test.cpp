@@ -283,6 +283,25 @@ TEST(BoundaryJoins, ManyEdgesAtFewPointsTakeBoundedWork) {
   EXPECT_EQ(joined(soup).report().dropped_degenerate, exact.report().dropped_degenerate);
 }
 
+// Every edge on a line passes all vertices of the shorter ones.
+TEST(BoundaryJoins, EdgesThatPassAllVerticesTakeBoundedWorkAndAreCounted) {
+  const auto nested = [](int count) {
+    Random random(4508);
+    Soup soup;
+    for (int i = 0; i < count; ++i) {
+      const double in = 0.499 * i / count;
+      soup.add({in, 0, 0}, {1 - in, 0, 0}, {0.5, random.uniform(-1, 1), random.uniform(0.1, 1)});
+    }
+    return find_boundary_joins(WeldedSurface(soup.positions, soup.triangles));
+  };
+  const BoundaryJoins few = nested(1000);
+  const BoundaryJoins many = nested(8000);
+  EXPECT_GT(few.capped_edges, 500u);
+  EXPECT_GT(many.capped_edges, 4000u);
+  EXPECT_LE(many.capped_edges, many.ambiguous_edges);
+  EXPECT_LT(many.examined_leaves, 16 * few.examined_leaves);
+}
+
 TEST(PointTree, FindsThePointsInABoxAndNearASegment) {
   Random random(4507);
   for (const std::size_t count : {0u, 1u, 8u, 9u, 100u, 3000u}) {
