@@ -389,6 +389,12 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
   return json;
 }
 
+ordered_json work_budget_json(const RunSetup& setup) {
+  return {{"units", setup.haptics.god_object.accuracy.work_budget},
+          {"unit_ns",
+           setup.measured_budget ? ordered_json(setup.measured_budget->unit_ns) : ordered_json()}};
+}
+
 std::string scene_text(const std::string& path, const Scene& scene) {
   const SceneStatistics& s = scene.statistics();
   const CleaningReport& c = s.cleaning;
