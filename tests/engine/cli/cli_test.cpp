@@ -1011,6 +1011,9 @@ TEST_F(CommandLine, ClosesGapsBetweenNodesOnDemand) {
     const Outcome o = expect_done(arguments);
     return std::pair(json::parse(o.out)["node_seams"], o.err);
   };
+  // Texts of the library name the option.
+  EXPECT_NE(expect_done({"info", boxes}).out.find("stay open; --close-gaps joins them"),
+            std::string::npos);
   const json open = seams({}).first;
   EXPECT_EQ(open["places"], 0);
   EXPECT_EQ(open["changed_nodes"], 0);
