@@ -21,12 +21,15 @@ std::optional<Error> check_fits(const PreparedRun& run) {
                     run.scene.statistics().extent_m.maxCoeff());
 }
 
-// Loads the scene at the size that fits. The scene that does not fit is destroyed first: both
-// together would need twice the allowed memory.
-Result<PreparedRun> load_fitted(const RunRequest& command, PreparedRun run) {
-  const auto size_m = fitting_size_m(workspace_of(run.setup),
-                                     bounds_in_device(run.scene, run.setup.haptics.initial_pose),
-                                     run.scene.statistics().extent_m.maxCoeff());
+// Loads the scene again, at the size that fits if it does not. The first scene is destroyed before:
+// both together would need twice the allowed memory.
+Result<PreparedRun> load_fitted(const RunRequest& command, PreparedRun run, bool is_fitting) {
+  std::optional<double> size_m;
+  if (!is_fitting) {
+    size_m = fitting_size_m(workspace_of(run.setup),
+                            bounds_in_device(run.scene, run.setup.haptics.initial_pose),
+                            run.scene.statistics().extent_m.maxCoeff());
+  }
   RunSetup setup = std::move(run.setup);
   { const Scene not_fitting = std::move(run.scene); }
   SceneOptions scene = command.scene;
@@ -65,12 +68,14 @@ Result<PreparedRun> prepare_run(const RunRequest& command) {
   if (const auto error = check_exploration(command.exploration, setup->dt_s)) return *error;
   SceneOptions unscaled = command.scene;
   unscaled.fits_workspace = false;
+  // The width of gaps is one of the scene in its final size.
+  if (command.scene.fits_workspace) unscaled.close_gaps_m.reset();
   auto scene = load_scene(unscaled, command.options.settings);
   if (!scene) return scene.error();
   PreparedRun run{std::move(*scene), std::move(*setup)};
   auto misfit = check_fits(run);
-  if (misfit && command.scene.fits_workspace) {
-    auto fitted = load_fitted(command, std::move(run));
+  if (command.scene.fits_workspace && (misfit || command.scene.close_gaps_m)) {
+    auto fitted = load_fitted(command, std::move(run), !misfit);
     if (!fitted) return fitted.error();
     run = std::move(*fitted);
     misfit = check_fits(run);

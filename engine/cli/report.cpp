@@ -231,6 +231,11 @@ ordered_json joins_json(const JoinStatistics& joins) {
           {"ambiguous_edges", joins.ambiguous_edges}};
 }
 
+std::vector<std::string> all_with_option_names(std::vector<std::string> lines) {
+  for (std::string& line : lines) line = with_option_names(std::move(line));
+  return lines;
+}
+
 // Where nodes meet, and where they are near each other and stay apart.
 ordered_json node_seams_json(const SceneStatistics& s) {
   ordered_json json = {{"vertices", s.seam_vertices},
@@ -295,8 +300,8 @@ ordered_json scene_json(const Scene& scene) {
             {"index_boxes", s.memory.index_boxes},
             {"places", s.memory.places},
             {"effects", s.memory.effects}}},
-          {"notes", s.notes},
-          {"warnings", s.warnings}};
+          {"notes", all_with_option_names(s.notes)},
+          {"warnings", all_with_option_names(s.warnings)}};
 }
 
 ordered_json tree_json(const Scene& scene) {
@@ -389,6 +394,12 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
   return json;
 }
 
+ordered_json work_budget_json(const RunSetup& setup) {
+  return {{"units", setup.haptics.god_object.accuracy.work_budget},
+          {"unit_ns",
+           setup.measured_budget ? ordered_json(setup.measured_budget->unit_ns) : ordered_json()}};
+}
+
 std::string scene_text(const std::string& path, const Scene& scene) {
   const SceneStatistics& s = scene.statistics();
   const CleaningReport& c = s.cleaning;
@@ -416,9 +427,9 @@ std::string scene_text(const std::string& path, const Scene& scene) {
                     s.parse_ms, s.mesh_ms, s.index_ms);
   text += memory_text(s);
   if (s.scale != 1.0) text += formatted("  scale %.6g\n", s.scale);
-  for (const std::string& note : s.notes) text += "  " + printable(note) + "\n";
+  for (const std::string& note : s.notes) text += "  " + printable(with_option_names(note)) + "\n";
   for (const std::string& warning : s.warnings) {
-    text += "  warning: " + printable(warning) + "\n";
+    text += "  warning: " + printable(with_option_names(warning)) + "\n";
   }
   return text;
 }

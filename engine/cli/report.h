@@ -18,6 +18,8 @@ nlohmann::ordered_json tree_json(const Scene& scene);  // an array of nodes, dep
 nlohmann::ordered_json summary_json(const RunSummary& summary, const Scene& scene);
 // Without a path, the keys about the path and the judgement are left out.
 nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);
+// The work budget of a tick, and the price of a unit in ns if it was measured.
+nlohmann::ordered_json work_budget_json(const RunSetup& setup);
 
 // "3 too_far, 1 governor_slew": how many ticks had each fault; "none" if no tick had one.
 std::string faults_text(const RunSummary& summary);

@@ -87,6 +87,7 @@ bool limit_memory(const PreparedRun& prepared, const std::vector<ExplorationRun>
 
 // The requested runs in simulated time; no value if one fails or is interrupted.
 std::optional<std::vector<ExplorationRun>> try_run(RunRequest command, const StopFlag* stop) {
+  command.scene.is_quiet = command.options.is_quiet = true;
   const Result<PreparedRun> prepared = prepare_run(command);
   if (!prepared) return std::nullopt;
   command.exploration.virtual_time = true;

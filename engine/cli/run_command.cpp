@@ -99,6 +99,7 @@ nlohmann::ordered_json runs_json(const PreparedRun& prepared,
     json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
   }
   json["scale"] = prepared.scene.statistics().scale;
+  json["work_budget"] = work_budget_json(prepared.setup);
   if (!recordings.empty()) json["recordings"] = recording_json(recordings);
   json["runs"] = nlohmann::ordered_json::array();
   for (const ExplorationRun& r : runs) {

@@ -182,7 +182,7 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   if (!moves) return moves.error();
   settings.moves = std::move(*moves);
   auto setup = make_setup(settings);
-  if (setup && setup->measured_budget) {
+  if (setup && setup->measured_budget && !options.is_quiet) {
     std::cerr << "palpate: work budget: " << setup->measured_budget->units
               << " units a tick; a unit took " << std::lround(setup->measured_budget->unit_ns)
               << " ns\n";

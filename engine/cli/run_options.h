@@ -23,6 +23,7 @@ struct RunOptions {
   std::string actuated_axes;       // "0 0 1; 1 0 0", device frame
   std::string place;               // "x y z qw qx qy qz", m: T_device_scene at the start
   std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each: m/s and rad/s, scene axes
+  bool is_quiet = false;           // make_setup() writes no line about a measured work budget
 };
 
 // Each add_ function adds the options of one group to a command. The options and settings must

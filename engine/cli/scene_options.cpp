@@ -46,7 +46,8 @@ void add_scene(CLI::App& app, SceneOptions& scene, bool is_required) {
                  "info prints [the file's rest pose]")
       ->group(kSceneGroup);
   add_real(app, "--close-gaps", scene.close_gaps_m, kAboveZero,
-           "join open edges of a mesh that are at most this far apart, m; info prints how far")
+           "join open edges of a mesh, and surfaces of nodes, that are at most this far apart, m; "
+           "info prints how far")
       ->group(kSceneGroup);
   app.add_option("--material", scene.materials,
                  "NAME.key=value: replace a value of a material in the file; may be repeated")
@@ -89,11 +90,16 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m, boo
   if (!settings) return settings.error();
   settings->measures_gaps = measures_gaps;
   auto scene = Scene::load(options.path, *settings);
-  if (scene && options.close_gaps_m) {
-    const JoinStatistics& joins = scene->statistics().gap_joins;
+  if (scene && options.close_gaps_m && !options.is_quiet) {
+    const SceneStatistics& s = scene->statistics();
+    const JoinStatistics& joins = s.gap_joins;
     std::cerr << "palpate: --close-gaps joined " << joins.joined_edges << " pairs of edges and "
               << joins.joined_vertices << " vertices; " << joins.ambiguous_edges
-              << " edges stay open because they meet several others\n";
+              << " edges stay open because they meet several others";
+    if (s.changed_nodes > 0) {
+      std::cerr << "; moved " << s.changed_nodes << " nodes onto nodes that they meet";
+    }
+    std::cerr << "\n";
   }
   return scene;
 }

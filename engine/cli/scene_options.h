@@ -25,6 +25,7 @@ struct SceneOptions {
   std::optional<double> close_gaps_m;
   std::vector<std::string> materials;  // "NAME.key=value" each
   std::string max_memory;              // "500M"; empty: half of the free memory
+  bool is_quiet = false;               // load_scene() writes no line, as for a trial of advice
 };
 
 void add_scene(CLI::App& app, SceneOptions& scene, bool is_required = true);

@@ -120,6 +120,7 @@ nlohmann::ordered_json soak_json(const SoakRun& run, const PreparedRun& prepared
                                  {"rate_Hz", 1.0 / prepared.setup.dt_s},
                                  {"sensors", prepared.setup.actuation.sensors()},
                                  {"actuators", prepared.setup.actuation.actuators()},
+                                 {"work_budget", work_budget_json(prepared.setup)},
                                  {"fifo", run.realtime.fifo_priority},
                                  {"locked_memory", run.realtime.locked_memory},
                                  {"tick_times", tick_times_json(run.tick_times)}};

@@ -70,6 +70,7 @@ PlanJson object_json(const SceneSettings& scene, const std::string& file) {
     json["scale"] = scene.scale;
   }
   if (!scene.pose.empty()) json["pose"] = scene.pose;
+  if (scene.close_gaps_m > 0.0) json["close_gaps_m"] = scene.close_gaps_m;
   return json;
 }
 

@@ -22,7 +22,7 @@ inline constexpr std::array<double, 6> kTunedAnisotropies = {1.0 / 16, 0.25, 0.5
 
 struct CompareSettings {
   std::vector<std::string> scenes;  // paths of glTF files, from the current folder
-  SceneSettings scene;              // of every scene: node, scale, fit_size_m and pose
+  SceneSettings scene;              // of every scene: as in PlanObject
   RunSettings device;               // two sensors; force, A4 and moves are not used
   int hands = 20;
   std::vector<Strategy> strategies;

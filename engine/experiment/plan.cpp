@@ -64,6 +64,7 @@ std::optional<Error> read_scene(const Json& value, const std::string& element, P
   constexpr NumberRange kSize{0.0, 1e6, true};
   reader.number("scale", scale, kSize);
   reader.number("fit_size_m", fit_size_m, kSize);
+  reader.number("close_gaps_m", object.scene.close_gaps_m, kSize, Key::kOptional);
   if (scale && fit_size_m) {
     reader.fail(plan_error(element, "has both scale and fit_size_m; expected one of them"));
   }

@@ -330,12 +330,20 @@ HardScene self_intersections(Random& random) {
   return scene;
 }
 
+bool has_face(const Soup& soup) {
+  return std::any_of(soup.triangles.begin(), soup.triangles.end(), [&](const Triangle& t) {
+    const Vec3 &a = soup.positions[t[0]], &b = soup.positions[t[1]], &c = soup.positions[t[2]];
+    return a != b && b != c && c != a;
+  });
+}
+
+// Few points: triangles share some of them, and some triangles have no area. At least one has.
 HardScene loose_triangles(Random& random) {
   HardScene scene;
   std::vector<Vec3> points;
   for (int i = between(random, 6, 30); i > 0; --i) points.push_back(random.in_box(kHalfSize_m));
   const auto some_point = [&] { return points[random.index(points.size())]; };
-  for (int i = between(random, 4, 60); i > 0; --i) {
+  for (int i = between(random, 4, 60); i > 0 || !has_face(scene.soup); --i) {
     const Vec3 a = some_point();
     const Vec3 b = random.index(2)
                        ? some_point()

@@ -24,6 +24,7 @@
 #include "engine/session/trace_csv.h"
 #include "tests/engine/cli/run_program.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/helpers/slit_tube.h"
 
 namespace palpate {
 namespace {
@@ -450,6 +451,17 @@ TEST_F(CommandLine, MeasuresAWorkBudgetForTheRate) {
   };
   EXPECT_GE(budget_at("1000"), 100);
   EXPECT_GE(budget_at("100"), budget_at("10000")) << "ten times the time, at the least";
+  // `run` states it in its results too: the number, and the price from which it follows.
+  const auto stated = [&](const std::string& budget) {
+    return json::parse(expect_run({"run", kStar, "--virtual", "--seconds", "2", "--a4", "off",
+                                   "--work-budget", budget, "--json"})
+                           .out)["work_budget"];
+  };
+  const json measured = stated("auto");
+  EXPECT_GE(measured["units"], 100);
+  EXPECT_GT(measured["unit_ns"], 0.0);
+  EXPECT_LE(measured["units"].get<double>() * measured["unit_ns"].get<double>(), 0.5e6);
+  EXPECT_EQ(stated("12345"), (json{{"units", 12345}, {"unit_ns", nullptr}}));
   expect_refused({"compare", kStar, "--work-budget", "auto", "--plane-height", "0.01"},
                  {"--work-budget", "is auto", "expected a number"});
   expect_refused(replay({"--work-budget", "automatic"}), {"--work-budget", "whole number"});
@@ -890,6 +902,126 @@ TEST_F(CommandLine, DescribesASceneInJson) {
   std::size_t sum = 0;
   for (const json& part : info["memory"]) sum += part.get<std::size_t>();
   EXPECT_EQ(info["memory_bytes"], sum);
+}
+
+// ---- gaps --------------------------------------------------------------------------------------
+
+// `info` says how far apart open edges are and what closes them; nothing is closed without demand,
+// nor beyond the demanded width.
+TEST_F(CommandLine, ClosesGapsOnDemandAndSaysSo) {
+  const std::string tube = test::slit_tube().write_glb(folder);
+  const auto info = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"info", tube, "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome o = expect_done(arguments);
+    return std::pair(json::parse(o.out), o.err);
+  };
+  const auto [open, silence] = info({});
+  EXPECT_EQ(silence, "");
+  EXPECT_EQ(open["boundary_edges"], 12);
+  EXPECT_EQ(open["joined"]["edges"], 0);
+  EXPECT_EQ(open["gaps_joined"]["edges"], 0);
+  EXPECT_FALSE(open["contours"][2]["closed"].get<bool>());
+  const double gap_m = open["nearest_gap_m"];
+  EXPECT_NEAR(gap_m, test::kSlit_m, 1e-9);
+  // The text states the width that closes the gap, and that width does.
+  const std::string text = expect_done({"info", tube}).out;
+  const std::string before = " m apart; --close-gaps ";
+  const std::size_t at = text.find(before);
+  ASSERT_NE(at, std::string::npos) << text;
+  const std::size_t begin = at + before.size();
+  const std::string width = text.substr(begin, text.find(' ', begin) - begin);
+  EXPECT_EQ(std::stod(width), gap_m);
+  for (const std::string& wide : {width, std::string("0.007")}) {
+    const auto [closed, said] = info({"--close-gaps", wide});
+    EXPECT_EQ(closed["boundary_edges"], 10);
+    EXPECT_EQ(closed["gaps_joined"]["edges"], 1);
+    EXPECT_EQ(closed["gaps_joined"]["vertices"], 2);
+    EXPECT_TRUE(closed["contours"][2]["closed"].get<bool>());
+    EXPECT_NE(said.find("--close-gaps joined 1 pairs of edges and 2 vertices"), std::string::npos)
+        << said;
+  }
+  const auto [narrow, said] = info({"--close-gaps", "0.0019"});
+  EXPECT_EQ(narrow["boundary_edges"], 12);
+  EXPECT_EQ(narrow["gaps_joined"]["edges"], 0);
+  EXPECT_NE(said.find("--close-gaps joined 0 pairs of edges"), std::string::npos) << said;
+  // In another size, the width is one of the scene as it is loaded.
+  const auto [small, of_small] = info({"--scale", "0.1", "--close-gaps", "0.00021"});
+  EXPECT_EQ(small["gaps_joined"]["edges"], 1) << of_small;
+}
+
+TEST_F(CommandLine, RefusesWidthsThatAreNoGaps) {
+  const std::string tube = test::slit_tube().write_glb(folder);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"info", tube}, {"run", tube, "--virtual", "--seconds", "2"}}) {
+    for (const char* width :
+         {"-0.001", "0", "-0", "nan", "inf", "-inf", "1e-400", "2mm", "", " "}) {
+      std::vector<std::string> arguments = command;
+      arguments.insert(arguments.end(), {"--close-gaps", width});
+      expect_refused(arguments, {"--close-gaps"});
+    }
+    for (const char* width : {"0.008001", "0.08", "1e300"}) {
+      std::vector<std::string> arguments = command;
+      arguments.insert(arguments.end(), {"--close-gaps", width});
+      expect_refused(arguments, {tube, "--close-gaps", "tenth of the extent", "0.08"});
+    }
+    std::vector<std::string> arguments = command;
+    arguments.push_back("--close-gaps");
+    expect_refused(arguments, {"--close-gaps"});
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path("out")));
+}
+
+// The hand follows an open contour to its end and back; the run says so, and closes no gap itself.
+TEST_F(CommandLine, ARunSaysThatItsContourIsOpen) {
+  const std::string tube = test::slit_tube().write_glb(folder);
+  const std::vector<std::string> run{"run", tube, "--virtual", "--seconds", "2", "--a4", "on"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = run;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return expect_run(arguments);
+  };
+  const std::string line = "! the contour is open";
+  EXPECT_NE(with({}).out.find(line), std::string::npos);
+  EXPECT_EQ(json::parse(with({"--json"}).out)["runs"][0]["contour_closed"], false);
+  const Outcome closed = with({"--close-gaps", "0.0021"});
+  EXPECT_EQ(closed.out.find(line), std::string::npos) << closed.out;
+  EXPECT_EQ(
+      json::parse(with({"--close-gaps", "0.0021", "--json"}).out)["runs"][0]["contour_closed"],
+      true);
+  // Once, although the scene may be loaded again for other trials.
+  const std::string said = "--close-gaps joined 1 pairs of edges and 2 vertices";
+  const std::size_t at = closed.err.find(said);
+  ASSERT_NE(at, std::string::npos) << closed.err;
+  EXPECT_EQ(closed.err.find(said, at + 1), std::string::npos) << closed.err;
+  // The line is about the boundary of a surface, not about the sample that ends a closed contour.
+  EXPECT_EQ(expect_run({"run", kStar, "--virtual", "--seconds", "2"}).out.find(line),
+            std::string::npos);
+}
+
+// Two boxes, 1 mm apart.
+TEST_F(CommandLine, ClosesGapsBetweenNodesOnDemand) {
+  GltfBuilder gltf = test::slit_tube();
+  const auto mesh = json::parse(R"({"mesh": 0, "name": "right", "translation": [0.081, 0, 0]})");
+  gltf.add_node(mesh);
+  const std::string boxes = gltf.write_glb(folder);
+  const auto seams = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"info", boxes, "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome o = expect_done(arguments);
+    return std::pair(json::parse(o.out)["node_seams"], o.err);
+  };
+  // Texts of the library name the option.
+  const std::string text = expect_done({"info", boxes, "--close-gaps", "0.0015"}).out;
+  EXPECT_NE(text.find("seams: "), std::string::npos) << text;
+  EXPECT_EQ(text.find("SceneSettings"), std::string::npos) << text;
+  const json open = seams({}).first;
+  EXPECT_EQ(open["places"], 0);
+  EXPECT_EQ(open["changed_nodes"], 0);
+  const auto [closed, said] = seams({"--close-gaps", "0.0015"});
+  EXPECT_GT(closed["places"], 3);
+  EXPECT_EQ(closed["changed_nodes"], 1);
+  EXPECT_NE(said.find("moved 1 nodes"), std::string::npos) << said;
 }
 
 // The hint appears if `run` refuses the size.
@@ -1444,7 +1576,8 @@ TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
   const Outcome o = expect_done({"run", kStar, "--virtual", "--json"});
   const json result = json::parse(o.out);
   EXPECT_EQ(keys_of(result), sorted({"comparable", "interrupted", "plane_height_m", "reasons",
-                                     "runs", "scale", "try", "workspace_m"}));
+                                     "runs", "scale", "try", "work_budget", "workspace_m"}));
+  EXPECT_EQ(result["work_budget"], (json{{"units", 20000}, {"unit_ns", nullptr}}));
   EXPECT_EQ(result["interrupted"], false);
   EXPECT_EQ(result["comparable"], true);
   EXPECT_TRUE(result["reasons"].empty());

@@ -85,6 +85,7 @@ TEST_F(CompareCommandTest, RefusesBadListsAndValuesInOneLine) {
   expect_refused(with({"--jobs", "0"}), {"--jobs"});
   expect_refused(with({"--force", "full"}), {"--force"});
   expect_refused(with({"--scale", "1", "--fit", "0.1"}), {"--fit"});
+  expect_refused(with({"--close-gaps", "1"}), {"--close-gaps: is 1 m", "tenth of the extent"});
   expect_refused(with({"--plane-height", "5"}), {"--plane-height: is 5 m"});
   expect_refused(with({"--max-force", "30"}), {"--max-force: is 30 N; expected at most 20 N"});
 }

@@ -30,6 +30,7 @@ TEST(SoakCommand, ReportsEveryTickWithItsTimes) {
   const auto report = nlohmann::json::parse(content_of(folder.path("report/soak.json")));
   EXPECT_EQ(report["ticks"], 1500);
   EXPECT_EQ(report["rate_Hz"], 500.0);
+  EXPECT_EQ(report["work_budget"]["units"], 20000);
   EXPECT_EQ(report["ticks_not_finite"], 0);
   std::uint64_t counted = 0;
   for (const auto& bucket : report["tick_times"]["cpu_ns"]["buckets"]) {

@@ -329,6 +329,16 @@ const std::vector<Breakage>& broken_plans() {
          j["objects"]["O2"] = {{"file", "a.glb"}, {"scale", 0}};
        },
        "/objects/O2/scale", "above 0"},
+      {"object whose gaps have no width",
+       [](Json& j) {
+         j["objects"]["O2"] = {{"file", "a.glb"}, {"close_gaps_m", 0}};
+       },
+       "/objects/O2/close_gaps_m", "above 0"},
+      {"object whose gaps are a text",
+       [](Json& j) {
+         j["objects"]["O2"] = {{"file", "a.glb"}, {"close_gaps_m", "auto"}};
+       },
+       "/objects/O2/close_gaps_m", "number"},
       {"name of an object that is a path", [](Json& j) { j["objects"]["../O"] = "star.glb"; },
        "/objects", "letters, digits"},
       {"unknown operator", [](Json& j) { j["operator"] = "people2006"; }, "/operator",
@@ -699,8 +709,11 @@ TEST(Plan, TakesEverySettingOfRun) {
       "work_budget": 1000, "radius_m": 0.001, "plane_height_m": 0.002, "workspace_m": 0.5,
       "place": [0.01, 0, 0, 0, 0, 0, 1], "table1": "printed", "a4_step": "paper",
       "device_mass_kg": 0.2, "device_damping_Ns_per_m": 0.7, "device_friction_N": 0.03})");
-  json["objects"]["O1"] = {
-      {"file", "a.glb"}, {"node", "Star"}, {"fit_size_m", 0.1}, {"pose", "Walk@1.5"}};
+  json["objects"]["O1"] = {{"file", "a.glb"},
+                           {"node", "Star"},
+                           {"fit_size_m", 0.1},
+                           {"pose", "Walk@1.5"},
+                           {"close_gaps_m", 0.001}};
   const auto plan = parse_plan(to_text(json), "plan.json", "");
   ASSERT_TRUE(plan.ok()) << plan.error().to_string();
   const RunSettings& device = plan->device;
@@ -726,6 +739,7 @@ TEST(Plan, TakesEverySettingOfRun) {
   EXPECT_EQ(plan->objects[0].scene.node, "Star");
   EXPECT_EQ(plan->objects[0].scene.fit_size_m, 0.1);
   EXPECT_EQ(plan->objects[0].scene.pose, "Walk@1.5");
+  EXPECT_EQ(plan->objects[0].scene.close_gaps_m, 0.001);
 }
 
 TEST(Plan, HashIgnoresLayoutAndPlacesOfFilesOnly) {

@@ -144,6 +144,7 @@ TEST(ComparePlan, IsThePlanOfTheFileThatIsWritten) {
   CompareSettings settings = tuned_settings();
   settings.scene.node = "";
   settings.scene.scale = 0.75;
+  settings.scene.close_gaps_m = 0.0005;
   settings.device.actuated_axes = {Vec3(0.6, 0.8, 0.0)};
   settings.device.actuators.reset();
   settings.device.accuracy = Accuracy::exact();
@@ -165,6 +166,7 @@ TEST(ComparePlan, IsThePlanOfTheFileThatIsWritten) {
     for (const PlanObject& object : read->objects) {
       EXPECT_TRUE(fs::exists(object.path)) << object.path;
       EXPECT_EQ(object.scene.scale, 0.75);
+      EXPECT_EQ(object.scene.close_gaps_m, 0.0005);
     }
     EXPECT_EQ(read->device.actuated_axes.front(), Vec3(0.6, 0.8, 0.0));
     EXPECT_EQ(read->device.accuracy.work_budget, Accuracy::exact().work_budget);

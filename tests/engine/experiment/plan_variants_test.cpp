@@ -21,6 +21,7 @@
 #include "engine/experiment/trials_file.h"
 #include "tests/engine/experiment/stand_in_trial.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/slit_tube.h"
 
 namespace palpate {
 namespace {
@@ -203,6 +204,31 @@ TEST(Learning, MakesTheHandFasterAndSteadierBlockByBlock) {
       EXPECT_EQ(after.speed_m_per_s, before.speed_m_per_s);
     }
   }
+}
+
+// An object in another size has its gaps closed up to the same part of its size.
+TEST(Variants, CloseTheSameGapsInEverySize) {
+  const test::TemporaryFolder folder;
+  const std::string file = test::slit_tube().write_glb(folder);
+  const auto scenes_with = [&](std::optional<double> gap_m) {
+    Json object{{"file", file}};
+    if (gap_m) object["close_gaps_m"] = *gap_m;
+    return load_experiment_scenes(plan_with({{"objects", {{"O1", object}}}, {"scale", {1, 0.5}}}),
+                                  test::stand_in_trials());
+  };
+  for (const auto& [gap_m, joined] : std::vector<std::pair<std::optional<double>, std::size_t>>{
+           {{}, 0}, {0.9 * test::kSlit_m, 0}, {1.1 * test::kSlit_m, 1}}) {
+    const auto scenes = scenes_with(gap_m);
+    ASSERT_TRUE(scenes.ok()) << scenes.error().to_string();
+    ASSERT_EQ(scenes->size(), 2u);
+    for (const ExperimentScene& scene : *scenes) {
+      EXPECT_EQ(scene.scene.statistics().gap_joins.joined_edges, joined) << gap_m.value_or(0.0);
+    }
+  }
+  const auto refused = scenes_with(0.05);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().path, file);
+  EXPECT_EQ(refused.error().element, "close_gaps_m");
 }
 
 TEST(Variants, AreExperimentsOfTheirOwnWithTheSamePersonsAndNumbers) {

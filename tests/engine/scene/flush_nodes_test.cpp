@@ -548,6 +548,49 @@ TEST(FlushNodes, AreReportedIfTheyAreNearAndNotJoined) {
   EXPECT_EQ(two_boxes(0.1).statistics().apart_vertices, 0u);
 }
 
+TEST(FlushNodes, JoinUpToTheSumOfTheirBoundsAndNotBeyond) {
+  const auto bound_m = [](double x) {
+    NodeDescription node;
+    node.translation_m = {x, 0, 0};
+    node.product = TransformProduct::of(Mat3::Identity(), node.translation_m);
+    return float_rounding_m(node, Vec3::Ones());
+  };
+  const double most_m = bound_m(0.0) + bound_m(1.0);
+  EXPECT_EQ(two_boxes(0.99 * most_m).statistics().seam_places, 4u);
+  EXPECT_EQ(two_boxes(-0.99 * most_m).statistics().seam_places, 4u);
+  EXPECT_EQ(two_boxes(1.01 * most_m).statistics().seam_places, 0u);
+}
+
+// Of nodes that meet, the first one in the file keeps its position, whichever side it is on.
+TEST(FlushNodes, TakeThePositionOfTheLowestNode) {
+  constexpr double kApart = 2e-7;
+  for (const bool is_left_first : {true, false}) {
+    SceneDescription description;
+    description.path = "two.glb";
+    description.meshes.push_back(box_mesh({0, 0, 0}, {1, 1, 1}, {1, 1, 1}));
+    for (const bool is_left : {is_left_first, !is_left_first}) {
+      NodeDescription node;
+      node.name = is_left ? "left" : "right";
+      node.translation_m = {is_left ? 0.0 : 1.0 + kApart, 0, 0};
+      node.product = TransformProduct::of(Mat3::Identity(), node.translation_m);
+      description.nodes.push_back(node);
+    }
+    const Scene scene = compiled(std::move(description));
+    EXPECT_EQ(scene.statistics().changed_nodes, 1u);
+    std::vector<Vec3> positions_m;
+    std::vector<Triangle> triangles;
+    scene.append_triangles_scene(positions_m, triangles);
+    const double seam_m = is_left_first ? 1.0 : 1.0 + kApart;
+    int at_the_seam = 0;
+    for (const Vec3& p : positions_m) {
+      if (std::abs(p.x() - 1.0) > 0.5) continue;
+      EXPECT_NEAR(p.x(), seam_m, 1e-3 * kApart) << is_left_first;
+      ++at_the_seam;
+    }
+    EXPECT_EQ(at_the_seam, 8);
+  }
+}
+
 TEST(FlushNodes, JoinWiderGapsOnDemand) {
   SceneSettings settings;
   settings.close_gaps_m = 2e-3;

@@ -15,6 +15,7 @@
 #include "geometry/mesh/surface_mesh.h"
 #include "geometry/mesh/welded_surface.h"
 #include "models/primitives.h"
+#include "tests/helpers/generators.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -129,6 +130,30 @@ class Made {
     const SurfaceIndex index(MappedFaces{welded.positions(), welded.faces(), map()}, 0.01);
     add(index);
     add(SurfaceMesh(welded));
+  }
+  explicit Made(const Scene& scene) {
+    for (std::size_t body = 0; body < scene.objects().size(); ++body) {
+      add(*scene.world().bodies[body].index);
+      add(scene.mesh(scene.objects()[body].mesh));
+    }
+    std::vector<Vec3> positions_m;
+    std::vector<Triangle> triangles;
+    scene.append_triangles_scene(positions_m, triangles);
+    add_all(positions_m);
+    add_all(triangles);
+    const SceneStatistics& s = scene.statistics();
+    for (const JoinStatistics& j : {s.rounding_joins, s.gap_joins}) {
+      for (const std::size_t n :
+           {j.joined_edges, j.joined_vertices, j.divided_edges, j.ambiguous_edges}) {
+        add_bytes(&n, sizeof n);
+      }
+    }
+    for (const std::size_t n : {s.seam_vertices, s.seam_places, s.seam_nodes, s.changed_nodes,
+                                s.divided_edges, s.apart_vertices, s.indices}) {
+      add_bytes(&n, sizeof n);
+    }
+    for (const std::string& line : s.notes) bytes_ += line;
+    for (const std::string& line : s.warnings) bytes_ += line;
   }
 
   bool operator==(const Made&) const = default;
@@ -253,6 +278,64 @@ TEST_F(Cores, CompileASceneWithEqualResultsForAnyNumber) {
   };
   const std::vector<double> alone = points(1);
   for (const std::size_t cores : kCoreCounts) EXPECT_EQ(points(cores), alone) << cores << " cores";
+}
+
+// Surfaces of generators, whose first and last column are joined, with a gap that is closed; and a
+// bond of boxes with rounded translations, whose nodes meet at T-junctions.
+SceneDescription scene_with_seams() {
+  SceneDescription description;
+  const auto add_node = [&](std::size_t mesh, const Vec3& at_m) {
+    NodeDescription node;
+    node.name = "node " + std::to_string(description.nodes.size());
+    node.mesh = static_cast<std::uint32_t>(mesh);
+    node.translation_m = at_m.cast<float>().cast<double>();
+    node.product = TransformProduct::of(Mat3::Identity(), node.translation_m);
+    description.nodes.push_back(node);
+  };
+  const auto add_mesh = [&](const Soup& soup) {
+    MeshDescription mesh;
+    mesh.positions = soup.positions;
+    mesh.triangles = soup.triangles;
+    description.meshes.push_back(std::move(mesh));
+    return description.meshes.size() - 1;
+  };
+  using Floats = test::Generators<float>;
+  using Doubles = test::Generators<double>;
+  double x_m = 0.0;
+  for (const auto& mesh : Floats::kinds(40)) add_node(add_mesh(mesh.soup), {x_m += 4.0, 0, 0});
+  for (const auto& mesh : Doubles::kinds(40)) add_node(add_mesh(mesh.soup), {x_m += 4.0, 0, 0});
+  add_node(add_mesh(Floats::sphere(1.0f, 160, 80)), {0, 6, 0});  // large enough for threads
+  Soup squares;
+  for (const double y : {0.0, 1.002}) {
+    squares.add_quad({0, y, 0}, {1, y, 0}, {1, y + 1, 0}, {0, y + 1, 0});
+  }
+  add_node(add_mesh(squares), {0, 12, 0});
+  const Vec3 half_m(1.0 / 7, 1.0 / 9, 1.0 / 11);
+  const std::size_t box = add_mesh(test::box_soup(half_m.cast<float>().cast<double>()));
+  for (int z = 0; z < 4; ++z) {
+    for (int x = 0; x < 5; ++x) {
+      add_node(box, {(2 * x + z % 2) * half_m.x(), -6, 2 * z * half_m.z()});
+    }
+  }
+  return description;
+}
+
+TEST_F(Cores, JoinSeamsWithEqualBitsForAnyNumber) {
+  SceneSettings settings;
+  settings.close_gaps_m = 0.003;
+  const auto made = [&](std::size_t cores) {
+    assume_cores(cores);
+    const auto scene = Scene::compile(scene_with_seams(), settings);
+    EXPECT_TRUE(scene) << scene.error().to_string();
+    const SceneStatistics& s = scene->statistics();
+    EXPECT_GT(s.rounding_joins.joined_vertices, 100u);
+    EXPECT_EQ(s.gap_joins.joined_edges, 1u);
+    EXPECT_GT(s.changed_nodes, 5u);
+    EXPECT_GT(s.divided_edges, 10u);
+    return Made(*scene);
+  };
+  const Made alone = made(1);
+  for (const std::size_t cores : {2, 8}) EXPECT_TRUE(made(cores) == alone) << cores << " cores";
 }
 
 }  // namespace
