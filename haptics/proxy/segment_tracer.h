@@ -138,6 +138,11 @@ class SegmentTracer {
   // direction from that point to p.
   FaceContact nearest_contact(const FaceRef& face, const Vec3& p) const noexcept;
 
+  // The contact with the triangle by which a step is decided: that of nearest_contact(), or for a
+  // body with corners in the solver frame (decides_by_corners) that of the triangle of these
+  // corners.
+  FaceContact deciding_contact(const FaceRef& face, const Vec3& p) const noexcept;
+
   // The unit direction of the edge that the contact touches. Only for contacts with an edge.
   Vec3 edge_direction(const FaceContact& contact) const noexcept;
 
@@ -223,6 +228,7 @@ class SegmentTracer {
   void count(const TriangleWork& triangle) noexcept {
     work_.add(Work::kTriangle);
     work_.add(Work::kSignByPairs, static_cast<std::size_t>(triangle.signs.by_pairs));
+    work_.add(Work::kSignByZeros, static_cast<std::size_t>(triangle.signs.by_zeros));
     work_.add(Work::kSignByExpansions, static_cast<std::size_t>(triangle.signs.by_expansions));
     work_.add(Work::kNearestPoint, static_cast<std::size_t>(triangle.nearest_points));
   }

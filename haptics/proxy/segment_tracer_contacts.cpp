@@ -62,6 +62,15 @@ FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) c
           body.to_solver(nearest.point)};
 }
 
+FaceContact SegmentTracer::deciding_contact(const FaceRef& face, const Vec3& p) const noexcept {
+  const FaceContact contact = nearest_contact(face, p);
+  const ContactBody& body = world_->body(face.body);
+  if (!decides_by_corners(body)) return contact;
+  const TriangleGeometry t = body.corners->triangle(face.slot, contact.normal);
+  const TrianglePoint nearest = closest_point_on_triangle(t, p);
+  return {face, nearest.direction, nearest.distance - radius_m_, nearest.feature, nearest.point};
+}
+
 Vec3 SegmentTracer::edge_direction(const FaceContact& contact) const noexcept {
   work_.add_of_solver(Work::kContact);
   const ContactBody& body = world_->body(contact.face.body);
