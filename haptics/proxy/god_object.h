@@ -401,7 +401,7 @@ class GodObject {
   }
   void look_around();
   FaceContact contact_of_nearest(const FaceRef& face) const;
-  std::optional<FaceContact> over_touched_face(const FaceContact& contact) const;
+  bool is_touched_face(const FaceContact& contact) const;
   template <typename Friction>
   bool is_held_by(const Friction& friction, std::span<const FaceContact> holding) const;
   template <typename Friction>

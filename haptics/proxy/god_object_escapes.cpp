@@ -68,21 +68,16 @@ void GodObject::look_around() {
 // has few exact digits, so its component along the edge is removed.
 FaceContact GodObject::contact_of_nearest(const FaceRef& face) const {
   FaceContact nearest = tracer_.nearest_contact(face, proxy_);
-  if (nearest.feature == TriangleFeature::kEdge) {
-    const Vec3 edge = tracer_.edge_direction(nearest);
-    nearest.normal = (nearest.normal - nearest.normal.dot(edge) * edge).normalized();
-  }
+  if (nearest.feature == TriangleFeature::kEdge) nearest.normal = tracer_.across_edge(nearest);
   return nearest;
 }
 
-// The contact of a point that touches a face and is over it, so that every step against the
-// contact's normal approaches the face. Nullopt if the point is beside the face. Corners in the
-// solver frame have a contact of their own, which differs slightly from the given one.
-std::optional<FaceContact> GodObject::over_touched_face(const FaceContact& contact) const {
-  const bool has_corners = tracer_.decides_by_corners(world_->body(contact.face.body));
-  const FaceContact over = has_corners ? tracer_.deciding_contact(contact.face, proxy_) : contact;
-  const bool is_touched = over.clearance_m <= scale().stand_off_m;
-  return is_touched && !is_beside_face(over) ? std::optional(over) : std::nullopt;
+// Whether the face of a contact is exactly under a point that touches it, so that every step
+// against its normal approaches the face. False if the contact differs slightly from the triangle
+// that decides.
+bool GodObject::is_touched_face(const FaceContact& contact) const {
+  return !is_beside_face(contact) && contact.clearance_m <= scale().stand_off_m &&
+         tracer_.has_deciding_contacts(world_->body(contact.face.body));
 }
 
 // Whether a step in this direction approaches none of the touched faces, except for the rounding of

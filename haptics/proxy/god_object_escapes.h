@@ -125,12 +125,8 @@ template <typename Friction>
 bool GodObject::is_held_by(const Friction& friction, std::span<const FaceContact> holding) const {
   std::array<ContactPlane, 3> planes;
   for (std::size_t i = 0; i < holding.size(); ++i) {
-    const std::optional<FaceContact> over = over_touched_face(holding[i]);
-    if (!over) return false;
-    const bool is_same = over->normal == holding[i].normal;
-    const std::optional<Vec3> normal = is_same ? plane_normal(i) : in_motion_plane(over->normal);
-    if (!normal) return false;
-    planes[i] = {*normal, -place_roundoff_m()};
+    if (!is_touched_face(holding[i])) return false;
+    planes[i] = {plane_normal(i), -place_roundoff_m()};
   }
   const PlaneProjection descent = project(friction, std::span(planes).first(holding.size()));
   return descent.solved && !may_gain_by(friction, descent.displacement_m);
@@ -143,9 +139,8 @@ bool GodObject::is_held_by_faces(const Friction& friction) {
   auto& faces = around_->scratch;
   std::size_t count = 0;
   for (const FaceContact& contact : around_->all_touched()) {
-    const std::optional<FaceContact> over = over_touched_face(contact);
-    if (!over) continue;
-    faces[count] = *over;
+    if (!is_touched_face(contact)) continue;
+    faces[count] = contact;
     faces[count++].clearance_m = scale().stop_m + place_roundoff_m();
   }
   hold_by_most_violated(friction, std::span(faces).first(count));

@@ -32,7 +32,8 @@ enum class Work : std::uint8_t {
   kSorted,             // pack or body that a query found and sorted
   kBodySeen,           // body whose box a query meets, whether it is searched or not
   kBoxes,              // test of sixteen boxes in a search in order of numbers
-  kStretchedTriangle,  // triangle of a stretched body, mapped to the body frame
+  kStretchedTriangle,  // triangle of a stretched body, mapped to the body frame; triangle at
+                       // corners in the solver frame
   kPlace,              // solver of effects: distance of a magnet or a medium
   kContact,            // solver: contact of the proxy with a known face
   kPlane,              // solver: test of one contact plane or direction
