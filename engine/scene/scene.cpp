@@ -201,7 +201,7 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
   }
   std::vector<NodePlacement>().swap(placements);  // a large amount of memory for a million nodes
   const auto index_start = std::chrono::steady_clock::now();
-  if (auto error = scene.build_world(bounds, description.nodes, settings.proxy_radius_m)) {
+  if (auto error = scene.build_world(bounds, description.nodes, settings)) {
     return with_path(*error, description.path);
   }
   if (auto error = scene.take_attributes(description.images)) {

@@ -208,7 +208,7 @@ class Scene {
   AffineMap map_body_mesh(const IndexUse& use) const;
   std::optional<Error> build_world(const Box& bounds_scene,
                                    const std::vector<NodeDescription>& nodes,
-                                   double proxy_radius_m);
+                                   const SceneSettings& settings);
   std::optional<Error> take_surfaces(const Seams& seams);
   std::uint64_t corner_bytes(const Seams& seams) const;
   void build_meshes_and_indices();
@@ -216,7 +216,7 @@ class Scene {
   void widen_sweeps(const Seams& seams);
   Result<Seams> seams_of(const std::vector<NodeDescription>& nodes) const;
   void report_seams(const Seams& seams);
-  void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes);
+  void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes, bool are_for_contacts);
   std::optional<Error> take_attributes(const std::vector<ImageDescription>& images);
   std::optional<Error> compile_effects(SceneEffects& effects);
   template <typename Visit>

@@ -110,7 +110,7 @@ AffineMap Scene::deformation(std::size_t object) const {
 
 std::optional<Error> Scene::build_world(const Box& bounds_scene,
                                         const std::vector<NodeDescription>& nodes,
-                                        double proxy_radius_m) {
+                                        const SceneSettings& settings) {
   world_.size_m = statistics_.extent_m.maxCoeff();
   // A single body is solved in its own frame, which needs no transform and causes no rounding.
   world_.anchor_scene_m = objects_.size() == 1 ? objects_[0].T_scene_body.translation_m
@@ -121,10 +121,10 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene,
   Seams seams = std::move(*found);
   report_seams(seams);
   if (auto error = take_surfaces(seams)) return error;
-  if (proxy_radius_m == 0.0) widen_sweeps(seams);
+  if (settings.proxy_radius_m == 0.0) widen_sweeps(seams);
   build_meshes_and_indices();
   add_bodies();
-  if (!seams.bodies.empty()) add_corners(seams, nodes);
+  if (!seams.bodies.empty()) add_corners(seams, nodes, settings.joins_within_rounding);
   node_of_object_ = {};
   met_of_node_ = {};
   statistics_.memory.places =
@@ -139,7 +139,8 @@ std::optional<Error> Scene::build_world(const Box& bounds_scene,
   std::vector<Box> boxes;
   boxes.reserve(world_.bodies.size());
   for (const ContactBody& body : world_.bodies) boxes.push_back(body.box_solver());
-  world_.tree = std::make_shared<BoxTree>(boxes, sweep_radius_m(world_.size_m, proxy_radius_m));
+  world_.tree =
+      std::make_shared<BoxTree>(boxes, sweep_radius_m(world_.size_m, settings.proxy_radius_m));
   statistics_.memory.places += world_.tree->memory_bytes();
   return std::nullopt;
 }
@@ -224,7 +225,8 @@ void Scene::report_seams(const Seams& seams) {
 }
 
 // Sets the corners of the bodies with seams, for a point. The indices must exist.
-void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes) {
+void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes,
+                        bool are_for_contacts) {
   constexpr std::size_t kNone = ~std::size_t{0};
   std::vector<std::size_t> slots_of_shape(shapes_.size(), kNone);
   const auto made = std::make_shared<SeamedBodies>();
@@ -241,7 +243,8 @@ void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes)
     body.joined.shrink_to_fit();
     made->bodies.push_back(std::make_unique<SolverCorners>(
         meshes_[shapes_[shape].mesh].welded_positions(), made->slots[slots_of_shape[shape]],
-        node.linear_scene_mesh, world_.to_solver(node.translation_m), std::move(body.joined)));
+        node.linear_scene_mesh, world_.to_solver(node.translation_m), std::move(body.joined),
+        are_for_contacts));
     world_.bodies[body.surface].corners = made->bodies.back().get();
   }
   world_.seams = made;

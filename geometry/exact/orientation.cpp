@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "geometry/exact/expansion.h"
 
@@ -28,8 +29,8 @@ TwoTerms multiply(const TwoTerms& a, const TwoTerms& b) {  // 6
   return ordered_sum(product.high, product.low + (a.high * b.low + a.low * b.high));
 }
 
-// The sign of u . (v x w) by pairs of doubles, or 0 if it is undecided.
-int paired_sign(const Difference& u, const Difference& v, const Difference& w) {
+// The sign of u . (v x w) by pairs of doubles, or nullopt if it is undecided.
+std::optional<int> paired_sign(const Difference& u, const Difference& v, const Difference& w) {
   TwoTerms volume{0.0, 0.0};
   double magnitude = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -43,7 +44,10 @@ int paired_sign(const Difference& u, const Difference& v, const Difference& w) {
   // Two products have 6 each, a difference 3 and two sums 3 each: 21 e^2 of the magnitude. The rest
   // of the bound covers higher orders and the rounding of the magnitude.
   const double bound = 40.0 * 0x1p-106 * magnitude;
-  return volume.high > bound ? 1 : volume.high < -bound ? -1 : 0;
+  if (volume.high > bound) return 1;
+  if (volume.high < -bound) return -1;
+  // A difference whose high part is 0 is 0, and no product underflows.
+  return magnitude == 0.0 ? std::optional(0) : std::nullopt;
 }
 
 int exact_sign(const Difference& u, const Difference& v, const Difference& w) {
@@ -63,9 +67,9 @@ int orientation_in_doubt(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3
   const Difference u = difference(q, p);
   const Difference v = difference(r, p);
   const Difference w = difference(s, p);
-  if (const int sign = paired_sign(u, v, w)) {
-    ++work.by_pairs;
-    return sign;
+  if (const std::optional<int> sign = paired_sign(u, v, w)) {
+    ++(*sign == 0 ? work.by_zeros : work.by_pairs);
+    return *sign;
   }
   ++work.by_expansions;
   return exact_sign(u, v, w);

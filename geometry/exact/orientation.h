@@ -12,6 +12,7 @@ namespace palpate {
 // decided them.
 struct SignWork {
   int by_pairs = 0;  // pairs of doubles
+  int by_zeros = 0;  // the same: 0, since each product of three differences has a factor 0
   int by_expansions = 0;
 };
 
@@ -20,10 +21,11 @@ struct SignWork {
 // triangle's normal points to). It is also the side on which the line p q passes the edge r s.
 //
 // Double arithmetic decides nearly every call, pairs of doubles decide nearly all remaining calls,
-// and exact expansions decide the rest. Two alternatives are no better. 113-bit arithmetic in
-// software is slower and leaves some signs undecided. CGAL's filtered kernel changes the rounding
-// mode and is faster than exact expansions in one class of inputs only. predicate_benchmark.cpp
-// measures the times; benchmarks/RESULTS.md states them.
+// and exact expansions decide the rest. Pairs of doubles also decide a 0 whose every product is 0:
+// that of points in one coordinate plane, which are frequent where boxes meet. Two alternatives are
+// no better. 113-bit arithmetic in software is slower and leaves some signs undecided. CGAL's
+// filtered kernel changes the rounding mode and is faster than exact expansions in one class of
+// inputs only. predicate_benchmark.cpp measures the times; benchmarks/RESULTS.md states them.
 //
 // Counts in `work` which arithmetic decided the sign. Any frame, any unit. Requires that no product
 // of three coordinate differences overflows and that none of its last bits underflows, which holds

@@ -26,6 +26,7 @@ struct Count {
     const Crossing crossing = crossing_of(index.triangle(slot), p, q, signs);
     work.add(Work::kTriangle);
     work.add(Work::kSignByPairs, static_cast<std::size_t>(signs.by_pairs));
+    work.add(Work::kSignByZeros, static_cast<std::size_t>(signs.by_zeros));
     work.add(Work::kSignByExpansions, static_cast<std::size_t>(signs.by_expansions));
     if (crossing == Crossing::kNone) return;
     if (crossing == Crossing::kUndecided || search.crossings == kMostCrossings) {

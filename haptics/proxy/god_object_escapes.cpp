@@ -68,19 +68,16 @@ void GodObject::look_around() {
 // has few exact digits, so its component along the edge is removed.
 FaceContact GodObject::contact_of_nearest(const FaceRef& face) const {
   FaceContact nearest = tracer_.nearest_contact(face, proxy_);
-  if (nearest.feature == TriangleFeature::kEdge) {
-    const Vec3 edge = tracer_.edge_direction(nearest);
-    nearest.normal = (nearest.normal - nearest.normal.dot(edge) * edge).normalized();
-  }
+  if (nearest.feature == TriangleFeature::kEdge) nearest.normal = tracer_.across_edge(nearest);
   return nearest;
 }
 
 // Whether the face of a contact is exactly under a point that touches it, so that every step
-// against its normal approaches the face. False for bodies with corners in the solver frame, which
-// differ slightly from the contact.
+// against its normal approaches the face. False if the contact differs slightly from the triangle
+// that decides.
 bool GodObject::is_touched_face(const FaceContact& contact) const {
   return !is_beside_face(contact) && contact.clearance_m <= scale().stand_off_m &&
-         !tracer_.decides_by_corners(world_->body(contact.face.body));
+         tracer_.has_deciding_contacts(world_->body(contact.face.body));
 }
 
 // Whether a step in this direction approaches none of the touched faces, except for the rounding of

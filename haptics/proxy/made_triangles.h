@@ -27,11 +27,26 @@ class MadeTriangles {
     return made(*body.stretch, *body.index, face);
   }
 
+  // The triangle of a face at the body's corners, which must exist. Solver frame, m. The reference
+  // is valid until the next call. An object provides triangles either by of() or by this function.
+  [[gnu::noinline]] const TriangleGeometry& at_corners(const ContactBody& body,
+                                                       const FaceRef& face) const {
+    Entry& entry = entries_[(face.slot + kStride * face.body) % kCount];
+    if (entry.face != face) {
+      TriangleGeometry buffer;
+      const Vec3 normal = body.direction_to_solver(body.triangle(face.slot, buffer).normal);
+      entry = {face, body.corners->triangle(face.slot, normal)};
+      ++made_count_;
+    }
+    return entry.triangle;
+  }
+
   // The number of triangles computed since the last call.
   std::size_t take_made_count() { return std::exchange(made_count_, std::size_t{0}); }
 
  private:
   static constexpr std::size_t kCount = 16;
+  static constexpr std::size_t kStride = 5;  // spreads bodies that meet in a few triangles each
   struct Entry {
     FaceRef face{~std::uint32_t{0}, ~std::uint32_t{0}};
     TriangleGeometry triangle;

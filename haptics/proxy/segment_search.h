@@ -178,6 +178,8 @@ struct SegmentTracer::Search {
     tracer.count(work);
     if (placed->stretch) [[unlikely]]
       tracer.work_.add(Work::kStretchedTriangle, tracer.made_.take_made_count());
+    if (corners) [[unlikely]]
+      tracer.work_.add(Work::kStretchedTriangle, tracer.made_at_corners_.take_made_count());
     if (is_met) keep_earlier(hit, face);
   }
 
@@ -189,12 +191,11 @@ struct SegmentTracer::Search {
       const TrianglePack& pack = placed->index->pack(slot / TrianglePack::kLanes);
       return trace_point_in_float(pack, lane, p_body, q_body, stop, hit);
     }
-    const TriangleGeometry& t = tracer.made_.of(*placed, {body, slot});
     if (corners) {
-      const Vec3 normal = placed->direction_to_solver(t.normal);
-      return trace_point(corners->triangle(slot, normal), p, q, {scale.stop_m, scale.clearance_m},
-                         hit, work);
+      return trace_point(tracer.made_at_corners_.at_corners(*placed, {body, slot}), p, q,
+                         {scale.stop_m, scale.clearance_m}, hit, work);
     }
+    const TriangleGeometry& t = tracer.made_.of(*placed, {body, slot});
     if (tracer.radius_m_ == 0.0) {
       return trace_point(t, p_body, q_body, {stop, placed->length_to_body(scale.clearance_m)}, hit,
                          work);
@@ -217,6 +218,8 @@ struct SegmentTracer::Search {
       if (!placed->is_identity) normal.normalize();
       feature_point = placed->to_solver(feature_point);
       clearance_m = placed->length_to_solver(clearance_m);
+    } else if (corners->are_for_contacts() && hit.feature == TriangleFeature::kEdge) {
+      normal = tracer.across_edge({face, normal, clearance_m, hit.feature, feature_point});
     }
     best = TraceHit{
         {face, normal, clearance_m, hit.feature, feature_point}, hit.fraction, hit.meet_fraction};

@@ -130,13 +130,20 @@ class SegmentTracer {
   // Whether a point proxy at p is farther than reach_m beside a face (is_far_beside). Not for a
   // sphere.
   bool is_far_beside_face(const FaceRef& face, const Vec3& p, double reach_m) const noexcept {
-    const ContactBody& body = world_->body(face.body);
-    return is_far_beside(made_.of(body, face), body.to_body(p), body.length_to_body(reach_m));
+    const auto [frame, t] = seat_of(face);
+    return is_far_beside(t, frame.to_body(p), frame.length_to_body(reach_m));
   }
 
   // The contact of a proxy at p with the point of the face that is nearest to p. Its normal is the
   // direction from that point to p.
   FaceContact nearest_contact(const FaceRef& face, const Vec3& p) const noexcept;
+
+  // The normal of a contact with an edge, without its component along the edge. At a stand-off from
+  // the edge, rounding of the nearest point gives a unit normal such a component of up to 1e-5.
+  Vec3 across_edge(const FaceContact& contact) const noexcept {
+    const Vec3 edge = edge_direction(contact);
+    return (contact.normal - contact.normal.dot(edge) * edge).normalized();
+  }
 
   // The unit direction of the edge that the contact touches. Only for contacts with an edge.
   Vec3 edge_direction(const FaceContact& contact) const noexcept;
@@ -181,14 +188,32 @@ class SegmentTracer {
   double radius_m() const { return radius_m_; }
 
   // Whether the body's corners in the solver frame decide where a point is stopped
-  // (solver_corners.h). Contacts are still computed in the body frame. The corners there may lie up
-  // to kMostApartPerStandOff stand-offs from the corners in the solver frame.
+  // (solver_corners.h).
   bool decides_by_corners(const ContactBody& body) const {
     return body.corners && radius_m_ == 0.0 && !is_in_float_;
+  }
+  // Whether contacts with the body are those with the triangles by which steps are decided. If not,
+  // they are computed in the body frame, whose corners may lie up to kMostApartPerStandOff
+  // stand-offs from those in the solver frame.
+  bool has_deciding_contacts(const ContactBody& body) const {
+    return !decides_by_corners(body) || body.corners->are_for_contacts();
   }
 
  private:
   struct Search;
+
+  // The triangle with which contacts of a face are computed, and its frame. The references are
+  // valid until the next call.
+  struct Seat {
+    const ContactBody& frame;
+    const TriangleGeometry& triangle;
+  };
+  Seat seat_of(const FaceRef& face) const noexcept {
+    const ContactBody& body = world_->body(face.body);
+    if (!body.corners || !decides_by_corners(body) || !body.corners->are_for_contacts()) [[likely]]
+      return {body, made_.of(body, face)};
+    return {solver_frame_, made_at_corners_.at_corners(body, face)};
+  }
 
   void forget_moving_searches() noexcept;
 
@@ -223,6 +248,7 @@ class SegmentTracer {
   void count(const TriangleWork& triangle) noexcept {
     work_.add(Work::kTriangle);
     work_.add(Work::kSignByPairs, static_cast<std::size_t>(triangle.signs.by_pairs));
+    work_.add(Work::kSignByZeros, static_cast<std::size_t>(triangle.signs.by_zeros));
     work_.add(Work::kSignByExpansions, static_cast<std::size_t>(triangle.signs.by_expansions));
     work_.add(Work::kNearestPoint, static_cast<std::size_t>(triangle.nearest_points));
   }
@@ -248,6 +274,9 @@ class SegmentTracer {
   bool is_in_float_;
   SolverScale scale_;
   MadeTriangles made_;
+  MadeTriangles made_at_corners_;
+  // Stands for the frame of corners, in which a point needs no transformation.
+  ContactBody solver_frame_{nullptr, {}, true};
   CandidateCache cache_;
   Vec3 motion_ = Vec3::Zero();  // motion of the proxy in the last tick
   int refills_ = 0;             // refills of the cache in this tick

@@ -55,37 +55,40 @@ class NearestContacts {
 
 FaceContact SegmentTracer::nearest_contact(const FaceRef& face, const Vec3& p) const noexcept {
   work_.add_of_solver(Work::kContact);
-  const ContactBody& body = world_->body(face.body);
-  const TrianglePoint nearest = closest_point_on_triangle(made_.of(body, face), body.to_body(p));
-  return {face, body.direction_to_solver(nearest.direction),
-          body.length_to_solver(nearest.distance) - radius_m_, nearest.feature,
-          body.to_solver(nearest.point)};
+  const auto [frame, t] = seat_of(face);
+  const TrianglePoint nearest = closest_point_on_triangle(t, frame.to_body(p));
+  FaceContact contact{face, frame.direction_to_solver(nearest.direction),
+                      frame.length_to_solver(nearest.distance) - radius_m_, nearest.feature,
+                      frame.to_solver(nearest.point)};
+  const bool is_at_corners = &frame == &solver_frame_;
+  if (is_at_corners && contact.feature == TriangleFeature::kEdge) {
+    contact.normal = across_edge(contact);
+  }
+  return contact;
 }
 
 Vec3 SegmentTracer::edge_direction(const FaceContact& contact) const noexcept {
   work_.add_of_solver(Work::kContact);
-  const ContactBody& body = world_->body(contact.face.body);
-  const TriangleGeometry& t = made_.of(body, contact.face);
-  const Vec3 p_body = body.to_body(contact.feature_point);
+  const auto [frame, t] = seat_of(contact.face);
+  const Vec3 p_frame = frame.to_body(contact.feature_point);
   Vec3 nearest = Vec3::Zero();
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [from, to] : {std::pair(t.a, t.b), std::pair(t.b, t.c), std::pair(t.c, t.a)}) {
     const Vec3 direction = (to - from).normalized();
-    const double distance = (p_body - from).cross(direction).norm();
+    const double distance = (p_frame - from).cross(direction).norm();
     if (distance >= least) continue;
     least = distance;
     nearest = direction;
   }
-  return body.direction_to_solver(nearest);
+  return frame.direction_to_solver(nearest);
 }
 
 FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
                                       const Vec3& side) const noexcept {
   const FaceContact nearest = nearest_contact(face, p);
   if (radius_m_ > 0.0) return nearest;
-  const ContactBody& body = world_->body(face.body);
-  const Vec3 direction_body = body.direction_to_body(nearest.normal);
-  if (!is_rather_over(made_.of(body, face), direction_body)) return nearest;
+  const auto [frame, t] = seat_of(face);
+  if (!is_rather_over(t, frame.direction_to_body(nearest.normal))) return nearest;
   const bool can_tell = nearest.clearance_m >= scale_.clearance_m;
   FaceContact contact = contact_over(face, p, can_tell ? nearest.normal : side);
   contact.feature = nearest.feature;
@@ -95,13 +98,13 @@ FaceContact SegmentTracer::contact_at(const FaceRef& face, const Vec3& p,
 FaceContact SegmentTracer::contact_over(const FaceRef& face, const Vec3& p,
                                         const Vec3& side) const noexcept {
   work_.add_of_solver(Work::kContact);
-  const ContactBody& body = world_->body(face.body);
-  const TriangleGeometry& t = made_.of(body, face);
-  const Vec3 p_body = body.to_body(p);
-  const Vec3 normal = t.normal.dot(body.direction_to_body(side)) < 0.0 ? Vec3(-t.normal) : t.normal;
-  const double height = normal.dot(p_body - t.a);
-  return {face, body.direction_to_solver(normal), body.length_to_solver(height),
-          TriangleFeature::kFace, body.to_solver(p_body - height * normal)};
+  const auto [frame, t] = seat_of(face);
+  const Vec3 p_frame = frame.to_body(p);
+  const bool is_front = t.normal.dot(frame.direction_to_body(side)) >= 0.0;
+  const Vec3 normal = is_front ? t.normal : Vec3(-t.normal);
+  const double height = normal.dot(p_frame - t.a);
+  return {face, frame.direction_to_solver(normal), frame.length_to_solver(height),
+          TriangleFeature::kFace, frame.to_solver(p_frame - height * normal)};
 }
 
 std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left, const Vec3& p,
@@ -119,16 +122,17 @@ std::optional<FaceContact> SegmentTracer::contact_over_next(const FaceRef& left,
   std::optional<FaceContact> nearest;
   while (near.lanes != 0) {
     const FaceRef face{left.body, SurfaceIndex::slot(pack, take_lane(near.lanes))};
-    const TriangleGeometry& t = made_.of(body, face);
-    const double height = t.normal.dot(p_body - t.a);
-    const double height_m = body.length_to_solver(height);
-    const bool is_between = height * t.normal.dot(q_body - t.a) < 0.0;
-    if (!is_between || std::abs(height_m) < scale_.clearance_m || !prism_contains(t, p_body)) {
+    const auto [frame, t] = seat_of(face);
+    const Vec3 p_frame = frame.to_body(p);
+    const double height = t.normal.dot(p_frame - t.a);
+    const double height_m = frame.length_to_solver(height);
+    const bool is_between = height * t.normal.dot(frame.to_body(q) - t.a) < 0.0;
+    if (!is_between || std::abs(height_m) < scale_.clearance_m || !prism_contains(t, p_frame)) {
       continue;
     }
     if (nearest && nearest->clearance_m <= std::abs(height_m)) continue;
     const Vec3 side = height_m < 0.0 ? Vec3(-t.normal) : t.normal;
-    nearest = contact_over(face, p, body.direction_to_solver(side));
+    nearest = contact_over(face, p, frame.direction_to_solver(side));
   }
   return nearest;
 }
@@ -140,8 +144,8 @@ bool SegmentTracer::is_over(const FaceContact& contact, const Vec3& p) const noe
     return contact_at(contact.face, p, contact.normal).clearance_m <= scale_.stand_off_m;
   }
   if (contact.feature != TriangleFeature::kFace) return false;
-  const ContactBody& body = world_->body(contact.face.body);
-  return prism_contains(made_.of(body, contact.face), body.to_body(p));
+  const auto [frame, t] = seat_of(contact.face);
+  return prism_contains(t, frame.to_body(p));
 }
 
 std::size_t SegmentTracer::contacts_in_front(const Vec3& p, double reach_m,
@@ -177,7 +181,8 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
   if (packs_left == 0 || is_cut_short_) return;
   const ContactBody& body = world_->body(b);
   const Vec3 p_body = body.to_body(p);
-  const double reach = body.length_to_body(reach_m);
+  const bool is_at_corners = decides_by_corners(body) && has_deciding_contacts(body);
+  const double apart_m = is_at_corners ? kMostApartPerStandOff * scale_.stand_off_m : 0.0;
   work_.add(Work::kBody);
   const auto consider_pack = [&](std::uint32_t pack) {
     const int count = body.index->pack(pack).count;
@@ -190,22 +195,22 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
     work_.add(Work::kNearestPoint, static_cast<std::size_t>(count));
     if (body.stretch) work_.add(Work::kStretchedTriangle, static_cast<std::size_t>(count));
     for (int lane = 0; lane < count; ++lane) {
-      const std::uint32_t slot = SurfaceIndex::slot(pack, lane);
+      const FaceRef face{b, SurfaceIndex::slot(pack, lane)};
       TriangleGeometry buffer;
-      const TriangleGeometry& t = body.triangle(slot, buffer);
-      const TrianglePoint nearest = closest_point_on_triangle(t, p_body);
-      if (nearest.distance > reach) continue;
-      visit({{b, slot},
-             body.direction_to_solver(t.normal),
-             body.length_to_solver(t.normal.dot(p_body - t.a)),
-             TriangleFeature::kFace,
-             body.to_solver(nearest.point)});
+      const auto [frame, t] =
+          is_at_corners ? seat_of(face) : Seat{body, body.triangle(face.slot, buffer)};
+      const Vec3 p_frame = frame.to_body(p);
+      const TrianglePoint nearest = closest_point_on_triangle(t, p_frame);
+      if (nearest.distance > frame.length_to_body(reach_m)) continue;
+      visit({face, frame.direction_to_solver(t.normal),
+             frame.length_to_solver(t.normal.dot(p_frame - t.a)), TriangleFeature::kFace,
+             frame.to_solver(nearest.point)});
     }
     return --packs_left > 0;
   };
   using ConsiderPack = decltype(consider_pack);
   count(body.index->visit_packs_near(
-      body.to_index(p_body), body.reach_index(reach_m, p_body), 0,
+      body.to_index(p_body), body.reach_index(reach_m + apart_m, p_body), 0,
       [](void* state, std::span<const std::uint32_t> packs) {
         return std::all_of(packs.begin(), packs.end(), *static_cast<ConsiderPack*>(state));
       },

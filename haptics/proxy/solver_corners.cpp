@@ -9,13 +9,14 @@ namespace palpate {
 
 SolverCorners::SolverCorners(std::span<const Vec3> positions_mesh, std::span<const Triangle> slots,
                              const Mat3& linear_solver_mesh, const Vec3& translation_solver_m,
-                             std::vector<JoinedVertex> joined)
+                             std::vector<JoinedVertex> joined, bool are_for_contacts)
     : positions_mesh_(positions_mesh),
       slots_(slots),
       linear_solver_mesh_(linear_solver_mesh),
       is_mirrored_(linear_solver_mesh.determinant() < 0.0),
       translation_solver_m_(translation_solver_m),
-      joined_(std::move(joined)) {}
+      joined_(std::move(joined)),
+      are_for_contacts_(are_for_contacts) {}
 
 Vec3 SolverCorners::vertex(std::uint32_t v) const noexcept {
   const auto found = std::lower_bound(

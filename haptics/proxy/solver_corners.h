@@ -56,9 +56,13 @@ class SolverCorners {
  public:
   // slots: for each slot of the index, the welded vertices of its triangle in mesh order.
   // joined: sorted by vertex in ascending order.
+  // are_for_contacts: whether contacts are computed with these corners, too; false in sessions of
+  // before, which are replayed with contacts in the body frame.
   SolverCorners(std::span<const Vec3> positions_mesh, std::span<const Triangle> slots,
                 const Mat3& linear_solver_mesh, const Vec3& translation_solver_m,
-                std::vector<JoinedVertex> joined);
+                std::vector<JoinedVertex> joined, bool are_for_contacts = true);
+
+  bool are_for_contacts() const { return are_for_contacts_; }
 
   // The position of a welded vertex, solver frame, m.
   Vec3 vertex(std::uint32_t v) const noexcept;
@@ -80,6 +84,7 @@ class SolverCorners {
   bool is_mirrored_;
   Vec3 translation_solver_m_;
   std::vector<JoinedVertex> joined_;
+  bool are_for_contacts_;
 };
 
 // Owns the corners of all bodies of a world that have seams.

@@ -24,6 +24,7 @@ enum class Work : std::uint8_t {
   kTriangle,           // test of a triangle in double precision
   kNearestPoint,       // nearest point of a triangle to a point
   kSignByPairs,        // sign by pairs of doubles, after double failed
+  kSignByZeros,        // sign 0 that pairs decided, since all products in it are 0
   kSignByExpansions,   // sign by expansions, after pairs failed
   kPackListed,         // pack that was listed and kept, or found together with too many others, so
                        // that the search was repeated
@@ -31,13 +32,14 @@ enum class Work : std::uint8_t {
   kSorted,             // pack or body that a query found and sorted
   kBodySeen,           // body whose box a query meets, whether it is searched or not
   kBoxes,              // test of sixteen boxes in a search in order of numbers
-  kStretchedTriangle,  // triangle of a stretched body, mapped to the body frame
+  kStretchedTriangle,  // triangle of a stretched body, mapped to the body frame; triangle at
+                       // corners in the solver frame
   kPlace,              // solver of effects: distance of a magnet or a medium
   kContact,            // solver: contact of the proxy with a known face
   kPlane,              // solver: test of one contact plane or direction
   kStep,               // solver: a step, without the searches in it
 };
-inline constexpr std::size_t kWorkKinds = 18;
+inline constexpr std::size_t kWorkKinds = 19;
 
 // The price of each kind, in units.
 using WorkPrices = std::array<WorkUnits, kWorkKinds>;
@@ -52,10 +54,10 @@ enum class CountingRule : std::uint8_t {
 
 // One unit takes at most 23 ns with any kind of work under the second rule, measured on the machine
 // of benchmarks/RESULTS.md (work_prices.cpp).
-inline constexpr WorkPrices kFirstPrices = {6, 10, 10, 0, 6, 2, 4, 18, 1,
+inline constexpr WorkPrices kFirstPrices = {6, 10, 10, 0, 6, 2, 4, 18, 18, 1,
                                             0, 0,  0,  0, 0, 0, 0, 0,  0};
-inline constexpr WorkPrices kSecondPrices = {14, 10, 12, 20, 6,  6, 9, 26, 1,
-                                             3,  6,  6,  4,  14, 6, 6, 1,  36};
+inline constexpr WorkPrices kSecondPrices = {14, 10, 12, 20, 6,  6, 9, 9, 26, 1,
+                                             3,  6,  6,  4,  14, 6, 6, 1, 36};
 
 constexpr const WorkPrices& prices_of(CountingRule rule) {
   return rule == CountingRule::kFirst ? kFirstPrices : kSecondPrices;
