@@ -401,7 +401,7 @@ std::vector<PlacedSurface> touching(std::span<const Box> boxes,
     const double bound_m = float_rounding_m(*node, reach_m);
     const bool is_certain = bound_m <= kMostBoundPerSize * 2 * half_m.maxCoeff();
     bounds_m.push_back(is_certain ? bound_m : -1.0);
-    const double margin_m = kReportedPerJoin * std::max(bound_m, settings.close_gaps_m);
+    const double margin_m = std::max(kReportedPerJoin * bound_m, settings.close_gaps_m);
     boxes_m.push_back(is_certain ? Box{middle_m - half_m, middle_m + half_m}.grown(margin_m)
                                  : Box::empty());
   }
@@ -419,7 +419,7 @@ std::vector<PlacedSurface> touching(std::span<const Box> boxes,
     const double terms_m = linear.colwise().norm().dot(reach_m) + translation_m.norm() +
                            nodes[s]->translation_m.norm();
     placed.push_back({s, nodes[s]->mesh, linear, inverse, translation_m, kRoundoffOfPlace * terms_m,
-                      bounds_m[s], kReportedPerJoin * std::max(bounds_m[s], settings.close_gaps_m),
+                      bounds_m[s], std::max(kReportedPerJoin * bounds_m[s], settings.close_gaps_m),
                       boxes_m[s]});
   }
   return placed;

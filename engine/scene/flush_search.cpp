@@ -260,15 +260,15 @@ void FlushSearch::find_faces(std::uint32_t s, const Box& box_m, std::vector<std:
   std::sort(faces.begin(), faces.end());
 }
 
-// The features near p: vertices up to kReportedPerJoin bounds away, others up to one bound. Of
+// The features near p: vertices up to reported_m away, others up to bound_m. Of
 // equally near features, the one with the lowest number. A vertex within the bound makes edges
 // needless, and either of them makes faces needless: then these are not examined.
 FlushSearch::Nearest FlushSearch::nearest(std::uint32_t other, const Vec3& p, double bound_m,
-                                          bool needs_face) {
+                                          double reported_m, bool needs_face) {
   Nearest best;
   const MeshFeatures& near = features(other);
   const std::span<const Triangle> triangles = mesh(other).faces();
-  const Box box_m = Box{p, p}.grown(kReportedPerJoin * bound_m);
+  const Box box_m = Box{p, p}.grown(reported_m);
   const auto improve = [](double distance_m, std::uint32_t number, double& best_m,
                           std::uint32_t& best_number) {
     if (distance_m > best_m || (distance_m == best_m && number >= best_number)) return;
@@ -351,13 +351,15 @@ void FlushSearch::search_vertices(std::uint32_t s, std::uint32_t other, const Bo
   std::sort(vertices_.begin(), vertices_.end());
   vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   const double bound_m = joins_within_m(s, other);
+  const double reported_m =
+      std::max(bound_m, kReportedPerJoin * (surfaces_[s].bound_m + surfaces_[other].bound_m));
   for (const std::uint32_t v : vertices_) {
     ++work_;
     if (gives_up()) return;
     const Vec3 p = position(s, v);
     if (!box_m.contains(p)) continue;
     const bool is_sharp = features(s).is_sharp_vertex(v);
-    const Nearest near = nearest(other, p, bound_m, is_sharp);
+    const Nearest near = nearest(other, p, bound_m, reported_m, is_sharp);
     if (near.vertex_m <= bound_m) {
       const bool joins = is_sharp || features(other).is_sharp_vertex(near.vertex);
       if (joins && s < other) found_.vertices.push_back({s, v, other, near.vertex});
@@ -367,7 +369,7 @@ void FlushSearch::search_vertices(std::uint32_t s, std::uint32_t other, const Bo
     } else if (near.face_m <= bound_m) {
       const int side = is_sharp ? side_of_vertex(s, v, other, near.face, bound_m) : 0;
       if (side != 0) found_.on_faces.push_back({s, v, other, near.face, side});
-    } else if (is_sharp && near.vertex_m <= kReportedPerJoin * bound_m) {
+    } else if (is_sharp && near.vertex_m <= reported_m) {
       found_.least_apart_m =
           found_.apart == 0 ? near.vertex_m : std::min(found_.least_apart_m, near.vertex_m);
       found_.most_apart_m = std::max(found_.most_apart_m, near.vertex_m);

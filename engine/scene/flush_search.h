@@ -16,8 +16,8 @@
 
 namespace palpate {
 
-// A vertex is reported as near another one, and not joined, up to this multiple of the distance of
-// joined vertices.
+// A vertex is reported as near another one, and not joined, up to this multiple of the distance
+// that rounding explains.
 inline constexpr double kReportedPerJoin = 64.0;
 
 // A surface in the solver frame.
@@ -29,7 +29,7 @@ struct PlacedSurface {
   Vec3 translation_m;
   double rounding_m;  // of vertex() and to_mesh()
   double bound_m;     // on the error of its vertices, see float_rounding_m()
-  double margin_m;    // kReportedPerJoin times the bound, or times close_gaps_m if that is more
+  double margin_m;    // kReportedPerJoin times the bound, or close_gaps_m if that is more
   Box box_m;          // around its vertices, enlarged by margin_m
 
   Vec3 vertex(const Vec3& v_mesh) const;
@@ -112,7 +112,8 @@ class FlushSearch {
                   double bound_m) const;
   void cross(const Edge& edge, std::uint32_t other, std::uint32_t other_half_edge);
   void find_faces(std::uint32_t s, const Box& box_m, std::vector<std::uint32_t>& faces);
-  Nearest nearest(std::uint32_t other, const Vec3& p, double bound_m, bool needs_face);
+  Nearest nearest(std::uint32_t other, const Vec3& p, double bound_m, double reported_m,
+                  bool needs_face);
   int side_of_vertex(std::uint32_t s, std::uint32_t vertex, std::uint32_t other, std::uint32_t face,
                      double tolerance_m) const;
   int side_of_edge(std::uint32_t s, std::uint32_t half_edge, std::uint32_t other,

@@ -204,7 +204,7 @@ class Scene {
                                     std::span<const std::uint32_t> solid,
                                     std::vector<NodeDescription>& nodes, std::vector<Box>& boxes);
   void report_conforming(const Conforming& made, std::size_t divided_edges);
-  void note_conforming();
+  void note_conforming(double close_gaps_m);
   AffineMap map_body_mesh(const IndexUse& use) const;
   std::optional<Error> build_world(const Box& bounds_scene,
                                    const std::vector<NodeDescription>& nodes,

@@ -126,7 +126,7 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
   statistics_.changed_nodes =
       static_cast<std::size_t>(std::count(is_changed_.begin(), is_changed_.end(), true));
   is_changed_ = {};
-  note_conforming();
+  note_conforming(settings.close_gaps_m);
   if (statistics_.changed_nodes > 0) bounds = bounds_in_scene(welded_, boxes, nodes);
   return std::nullopt;
 }
@@ -205,13 +205,15 @@ void Scene::report_conforming(const Conforming& made, std::size_t divided_edges)
 }
 
 // Notes on what was joined, and on what stays open.
-void Scene::note_conforming() {
+void Scene::note_conforming(double close_gaps_m) {
   const SceneStatistics& s = statistics_;
   std::ostringstream text;
   if (s.changed_nodes > 0) {
-    text << "seams: " << s.changed_nodes << " nodes meet others only within the rounding of the "
-         << "file's numbers; their surfaces were moved together by as much, and " << s.divided_edges
-         << " edges were divided; each of these nodes has an index of its own";
+    text << "seams: " << s.changed_nodes << " nodes meet others only within ";
+    if (close_gaps_m > 0.0) text << close_gaps_m << " m or ";
+    text
+        << "the rounding of the file's numbers; their surfaces were moved together by as much, and "
+        << s.divided_edges << " edges were divided; each of these nodes has an index of its own";
     statistics_.notes.push_back(text.str());
   }
   if (s.apart_vertices > 0) {
