@@ -19,6 +19,7 @@
 #include "haptics/proxy/god_object.h"
 #include "haptics/proxy/live_world.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
 #include "tests/helpers/worlds.h"
@@ -628,6 +629,49 @@ TEST(FlushNodes, AreJoinedAlikeWhereverTheirNumbersAre) {
   const std::vector<Vec3> first = positions_of(0);
   EXPECT_EQ(positions_of(25), first);
   EXPECT_EQ(positions_of(50), first);
+}
+
+// A point whose goal moves exactly along a seam follows it in every tick, whatever edges of either
+// node lie there, and the search for improvements of its rest fits into the work budget.
+TEST(FlushNodes, LetAPointFollowASeamInEveryTick) {
+  std::size_t capped = 0;
+  std::size_t ticks = 0;
+  for (std::uint64_t n = 0; n < in_soak_or_else(2000u, 60u); ++n) {
+    Random random(7100 + n);
+    Layout layout = row(random, false);
+    for (Block& block : layout.blocks) {
+      block.parts = {between(random, 1, 4), between(random, 1, 8), between(random, 1, 8)};
+    }
+    Writing writing = exact_writing();
+    writing.unit_m = 1.0 / 64;
+    const Scene scene = compiled(described(layout, writing));
+    const Block& block = layout.blocks[1 + random.index(layout.blocks.size() - 1)];
+    const bool is_on_top = random.index(2) == 0;
+    const int along = is_on_top ? 1 : 2;
+    const int across = is_on_top ? 2 : 1;  // the axis against whose positive side the point presses
+    const double length = block.high[static_cast<std::size_t>(along)];
+    const double depth = random.uniform(0.01, 1.0);
+    const double step = length * std::pow(2.0, -random.uniform(4.0, 9.0));
+    const auto at = [&](double way, double height) {
+      Vec3 p;
+      p[0] = block.low[0];
+      p[along] = way;
+      p[across] = block.high[static_cast<std::size_t>(across)] + height;
+      return scene.world().to_solver(writing.to_scene(p));
+    };
+    GodObject god(scene.world(), {});
+    double way = 0.2 * length;
+    god.place(at(way, 1.0));
+    for (int tick = 0; tick < 60; ++tick) {
+      if (tick % 6 != 5) way = std::min(way + step, 0.9 * length);  // sometimes the hand waits
+      const ProxyState state = god.move_to(at(way, -depth));
+      ++ticks;
+      capped += state.capped;
+      const Vec3 off = god.proxy() - at(way, 0.0);
+      ASSERT_LE(off.norm(), 8 * god.scale().stand_off_m + 64 * test::kEpsilon) << n << " " << tick;
+    }
+  }
+  EXPECT_EQ(capped, 0u) << "of " << ticks;
 }
 
 // Instances of one box at multiples of its width, which are rounded to float.
