@@ -70,7 +70,7 @@ const std::map<std::string, std::uint64_t> kFirstHashes = {
 // Of the second rule. A hash changes with the way of the solver, too; a change of a price, or of
 // what counts, needs a third rule.
 const std::map<std::string, std::uint64_t> kSecondHashes = {
-    {"through_one_point", 0xf0172c9707139e3cu},
+    {"through_one_point", 0x98b45ed81555b6c6u},
     {"through_one_point_sphere", 0x17a64460112bc60au},
     {"through_one_point_large_sphere", 0x903d8a8c8fc0e50eu},
     {"instances_at_one_point", 0x3f1ff76bef698343u},
@@ -80,7 +80,7 @@ const std::map<std::string, std::uint64_t> kSecondHashes = {
     {"stack_of_bodies", 0x4218a205fdcba7efu},
     {"dense_soup", 0x190bdb2853e5c1d2u},
     {"dense_soup_sphere", 0x82ed7e313294c718u},
-    {"needles_in_doubt", 0xc7577f37a77deb1au},
+    {"needles_in_doubt", 0x0b742f1b594307a4u},
     {"needles_in_doubt_sphere", 0xb9e390b6bd98ee14u},
     {"sphere_as_large_as_the_scene", 0x1b124ef0425a59d0u},
     {"moving_bodies", 0x3fbc055f89a4d69bu},
