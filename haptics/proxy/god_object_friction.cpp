@@ -56,18 +56,18 @@ double part_to_cone(const Excess& excess_m, double tolerance_m) {
 struct CoulombFriction : EuclideanNorm {
   static constexpr bool kHolds = true;
 
-  // A short slide counts, since a face without dynamic friction bears no lag along it.
-  static PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target) {
-    return project_onto_planes(planes, target, Feasibility::kAtStartPrecise);
+  PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target) const {
+    return project_onto_planes(planes, target, start);
   }
-  static PlaneProjection project_within(const MotionPlane& motion_plane,
-                                        std::span<const ContactPlane> planes, const Vec3& target) {
-    return palpate::project_within(motion_plane, planes, target, Feasibility::kAtStartPrecise);
+  PlaneProjection project_within(const MotionPlane& motion_plane,
+                                 std::span<const ContactPlane> planes, const Vec3& target) const {
+    return palpate::project_within(motion_plane, planes, target, start);
   }
 
   const FrictionSource* source;
-  double coordinates_m;         // size of the coordinates that this tick computes with
-  SlideMemory before;           // of the last tick
+  double coordinates_m;  // size of the coordinates that this tick computes with
+  SlideMemory before;    // of the last tick
+  Feasibility start = Feasibility::kAtStart;  // of projections
   bool slides = before.slides;  // the contact slides, from an earlier tick or a step of this tick
   FrictionCone cone = {};  // weighted sum over the planes of the last step, at the end of the step
   std::array<bool, 3> holds_by = {};  // which of these planes have friction
@@ -233,8 +233,19 @@ template <typename Friction>
 bool GodObject::hold_by(Friction& friction) {
   friction.begin_step();
   if (projection_.active_count == 0) return false;
-  const Bearing bearing = find_bearing(friction);
+  Bearing bearing = find_bearing(friction);
   const bool holds_here = friction.holds();
+  if (holds_here && projection_.displacement_m.isZero(0.0)) {
+    // A slide may be so short that its gain is lost in the rounding of squared distances. A face
+    // whose dynamic coefficient is 0 bears no lag along it, however short.
+    friction.start = Feasibility::kAtStartPrecise;
+    const PlaneProjection precise = project(friction, planes());
+    friction.start = Feasibility::kAtStart;
+    if (precise.solved && precise.active_count > 0) {
+      projection_ = precise;
+      bearing = find_bearing(friction);
+    }
+  }
   Vec3& step = projection_.displacement_m;
   if (!friction.wants_to_slide) {
     if (holds_here) step.setZero();

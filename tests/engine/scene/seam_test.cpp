@@ -389,7 +389,7 @@ TEST(Seams, StayOpenWithAWarningIfMemoryIsShort) {
   SceneSettings settings = without_rounding();
   const auto used = compiled(description, settings).statistics().memory.total();
   settings.joins_within_rounding = true;
-  for (double factor = 1.0; factor < 4.0; factor *= 1.1) {
+  for (double factor = 1.0; factor < 8.0; factor *= 1.1) {
     settings.max_memory_bytes = static_cast<std::uint64_t>(factor * static_cast<double>(used));
     const auto scene = Scene::compile(description, settings);
     if (!scene) continue;

@@ -486,9 +486,12 @@ class Motion {
       above = std::min(above, way.above_static() - rounding);
       if (way.slides_freely) off = std::min(off, std::abs(way.off_dynamic()) - rounding);
     }
-    // Without friction, a slow sphere rests where it could still gain a little (little_m).
-    const bool is_slow = record.friction == FrictionState::kNone && scene_.radius_m > 0.0;
-    if (!is_slow) f.ratio = std::max(f.ratio, above);
+    // Without friction, a slow sphere rests where it could still gain a little (little_m), and any
+    // proxy where its gain is lost in the rounding of squared distances (kMonotoneRoundoff).
+    const bool is_none = record.friction == FrictionState::kNone;
+    const bool is_slow = is_none && scene_.radius_m > 0.0;
+    const double lost = is_none ? std::sqrt(32 * kEpsilon) : 0.0;
+    if (!is_slow) f.ratio = std::max(f.ratio, above - lost);
     if (record.friction == FrictionState::kSlides) {
       f.dynamic = std::max(f.dynamic, off - off_of_map());
     }
