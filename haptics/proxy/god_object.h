@@ -190,6 +190,9 @@ class GodObject {
   // of the faces that hold the proxy; a force that is shortened to that cone can then break the
   // bound, until a tick has completed the slide.
   //
+  // Faces without friction (mu_s = 0) hold the proxy as in move_to(). There, a lag of up to 1e-7 of
+  // the depth may remain along a face, since its gain is lost in the rounding of squared distances.
+  //
   // Several faces together hold a tangential lag of mu_1 d_1 + mu_2 d_2 + ..., where d_i is the
   // part of the depth that face i bears (bearing_parts). A sphere moves round edges along tangents.
   ProxyState move_with_friction(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
