@@ -473,8 +473,8 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   }
   if (projection_.active_count == 1) return state;
   if (projection_.active_count == 0) state.normal = lag;  // capped before it reached a plane
-  // The rounding of a sum that nearly cancels may lead out of the plane. The sum with 0 gives a zero
-  // component its positive sign.
+  // The rounding of a sum that nearly cancels may lead out of the plane. The sum with 0 gives a
+  // zero component its positive sign.
   if (motion_plane_) state.normal = motion_plane_->part_of(state.normal) + Vec3(Vec3::Zero());
   if (projection_.active_count == 0) {
     state.normal.normalize();
