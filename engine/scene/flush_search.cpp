@@ -260,9 +260,9 @@ void FlushSearch::find_faces(std::uint32_t s, const Box& box_m, std::vector<std:
   std::sort(faces.begin(), faces.end());
 }
 
-// The features near p: vertices up to reported_m away, others up to bound_m. Of
-// equally near features, the one with the lowest number. A vertex within the bound makes edges
-// needless, and either of them makes faces needless: then these are not examined.
+// The features near p: vertices up to reported_m away, others up to bound_m. Of equally near
+// features, the one with the lowest number. A vertex within the bound makes edges needless, and
+// either of them makes faces needless: then these are not examined.
 FlushSearch::Nearest FlushSearch::nearest(std::uint32_t other, const Vec3& p, double bound_m,
                                           double reported_m, bool needs_face) {
   Nearest best;

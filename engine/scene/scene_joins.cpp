@@ -85,9 +85,9 @@ std::string text_of(const JoinStatistics& joins) {
 std::string warning_of_capped(std::size_t capped_edges) {
   return "boundaries: " + std::to_string(capped_edges) +
          " boundary edges stay open, because very many edges or vertices are near them, and the "
-         "search for those that they meet has a limit in proportion to the size of the mesh; a "
-         "point "
-         "may pass there. Weld the vertices of the mesh, or leave out the part where its triangles "
+         "search for those that they meet has a limit in proportion to the size of the mesh; "
+         "a point may pass there. Weld the vertices of the mesh, or leave out the part where its "
+         "triangles "
          "cross each other";
 }
 

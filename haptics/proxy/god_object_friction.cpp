@@ -56,18 +56,9 @@ double part_to_cone(const Excess& excess_m, double tolerance_m) {
 struct CoulombFriction : EuclideanNorm {
   static constexpr bool kHolds = true;
 
-  PlaneProjection project(std::span<const ContactPlane> planes, const Vec3& target) const {
-    return project_onto_planes(planes, target, start);
-  }
-  PlaneProjection project_within(const MotionPlane& motion_plane,
-                                 std::span<const ContactPlane> planes, const Vec3& target) const {
-    return palpate::project_within(motion_plane, planes, target, start);
-  }
-
   const FrictionSource* source;
-  double coordinates_m;  // size of the coordinates that this tick computes with
-  SlideMemory before;    // of the last tick
-  Feasibility start = Feasibility::kAtStart;  // of projections
+  double coordinates_m;         // size of the coordinates that this tick computes with
+  SlideMemory before;           // of the last tick
   bool slides = before.slides;  // the contact slides, from an earlier tick or a step of this tick
   FrictionCone cone = {};  // weighted sum over the planes of the last step, at the end of the step
   std::array<bool, 3> holds_by = {};  // which of these planes have friction
@@ -238,9 +229,11 @@ bool GodObject::hold_by(Friction& friction) {
   if (holds_here && projection_.displacement_m.isZero(0.0)) {
     // A slide may be so short that its gain is lost in the rounding of squared distances. A face
     // whose dynamic coefficient is 0 bears no lag along it, however short.
-    friction.start = Feasibility::kAtStartPrecise;
-    const PlaneProjection precise = project(friction, planes());
-    friction.start = Feasibility::kAtStart;
+    constexpr auto kPrecise = Feasibility::kAtStartPrecise;
+    const Vec3 lag = goal_ - proxy_;
+    const PlaneProjection precise = motion_plane_
+                                        ? project_within(*motion_plane_, planes(), lag, kPrecise)
+                                        : project_onto_planes(planes(), lag, kPrecise);
     if (precise.solved && precise.active_count > 0) {
       projection_ = precise;
       bearing = find_bearing(friction);

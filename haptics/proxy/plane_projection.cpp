@@ -205,7 +205,7 @@ template <typename Vec>
 
 // The gain of a displacement from the feasible y = 0: |target|^2 - |y - target|^2. The difference
 // of the two squares loses the gain of a displacement that is shorter than 1e-8 of the target; the
-// product loses it only at 1e-16. Before, a displacement along one plane is freed of the component
+// product loses it only at 1e-16. A displacement along one plane is first freed of the component
 // across the plane that the rounding of the target has left in it.
 template <typename Vec>
 [[gnu::noinline, gnu::cold]] double gain_of_little(std::span<const HalfSpace<Vec>> planes,

@@ -192,11 +192,15 @@ class SegmentTracer {
   bool decides_by_corners(const ContactBody& body) const {
     return body.corners && radius_m_ == 0.0 && !is_in_float_;
   }
+  // Whether contacts with the body are computed with these corners, too.
+  bool has_contacts_at_corners(const ContactBody& body) const {
+    return decides_by_corners(body) && body.corners->are_for_contacts();
+  }
   // Whether contacts with the body are those with the triangles by which steps are decided. If not,
   // they are computed in the body frame, whose corners may lie up to kMostApartPerStandOff
   // stand-offs from those in the solver frame.
   bool has_deciding_contacts(const ContactBody& body) const {
-    return !decides_by_corners(body) || body.corners->are_for_contacts();
+    return !decides_by_corners(body) || has_contacts_at_corners(body);
   }
 
  private:
@@ -210,9 +214,9 @@ class SegmentTracer {
   };
   Seat seat_of(const FaceRef& face) const noexcept {
     const ContactBody& body = world_->body(face.body);
-    if (!body.corners || !decides_by_corners(body) || !body.corners->are_for_contacts()) [[likely]]
-      return {body, made_.of(body, face)};
-    return {solver_frame_, made_at_corners_.at_corners(body, face)};
+    if (has_contacts_at_corners(body)) [[unlikely]]
+      return {solver_frame_, made_at_corners_.at_corners(body, face)};
+    return {body, made_.of(body, face)};
   }
 
   void forget_moving_searches() noexcept;

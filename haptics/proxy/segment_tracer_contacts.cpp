@@ -181,7 +181,7 @@ void SegmentTracer::visit_contacts(std::uint32_t b, const Vec3& p, double reach_
   if (packs_left == 0 || is_cut_short_) return;
   const ContactBody& body = world_->body(b);
   const Vec3 p_body = body.to_body(p);
-  const bool is_at_corners = decides_by_corners(body) && has_deciding_contacts(body);
+  const bool is_at_corners = has_contacts_at_corners(body);
   const double apart_m = is_at_corners ? kMostApartPerStandOff * scale_.stand_off_m : 0.0;
   work_.add(Work::kBody);
   const auto consider_pack = [&](std::uint32_t pack) {

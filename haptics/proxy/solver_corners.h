@@ -56,8 +56,8 @@ class SolverCorners {
  public:
   // slots: for each slot of the index, the welded vertices of its triangle in mesh order.
   // joined: sorted by vertex in ascending order.
-  // are_for_contacts: whether contacts are computed with these corners, too; false in sessions of
-  // before, which are replayed with contacts in the body frame.
+  // are_for_contacts: whether contacts are computed with these corners, too. False when a recording
+  // of before is replayed, whose contacts were computed in the body frame.
   SolverCorners(std::span<const Vec3> positions_mesh, std::span<const Triangle> slots,
                 const Mat3& linear_solver_mesh, const Vec3& translation_solver_m,
                 std::vector<JoinedVertex> joined, bool are_for_contacts = true);
