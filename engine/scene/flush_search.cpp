@@ -166,6 +166,11 @@ double FlushSearch::joins_within_m(std::uint32_t s, std::uint32_t other) const {
   return std::max(surfaces_[s].bound_m + surfaces_[other].bound_m, close_gaps_m_);
 }
 
+double FlushSearch::reported_within_m(std::uint32_t s, std::uint32_t other) const {
+  return std::max(joins_within_m(s, other),
+                  kReportedPerJoin * (surfaces_[s].bound_m + surfaces_[other].bound_m));
+}
+
 Result<Meetings> FlushSearch::find() {
   const std::uint64_t tree_bytes = OverlapTree::bytes(surfaces_.size());
   if (auto error = ledger_.check(tree_bytes + surfaces_.size() * sizeof(Box))) return *error;
@@ -232,9 +237,9 @@ std::uint64_t FlushSearch::bytes_of_meetings() const {
 void FlushSearch::search_pair(std::uint32_t a, std::uint32_t b) {
   if (!make_features(surfaces_[a].mesh) || !make_features(surfaces_[b].mesh)) return;
   const Box box_m = intersection(surfaces_[a].box_m, surfaces_[b].box_m);
-  find_faces(a, box_m, faces_a_);
-  find_faces(b, box_m, faces_b_);
-  if (faces_a_.empty() || faces_b_.empty()) return;
+  find_faces(a, b, box_m, faces_a_);
+  if (faces_a_.empty()) return;
+  find_faces(b, a, box_m, faces_b_);
   search_vertices(a, b, box_m, faces_a_);
   search_vertices(b, a, box_m, faces_b_);
   search_edges(a, b, faces_a_);
@@ -250,11 +255,24 @@ Box FlushSearch::box_in_mesh(std::uint32_t s, const Box& box_m) const {
   return {middle - half, middle + half};
 }
 
-// The faces whose boxes meet a box, ascending.
-void FlushSearch::find_faces(std::uint32_t s, const Box& box_m, std::vector<std::uint32_t>& faces) {
+// The faces in a box that may be near faces of the other surface, ascending.
+void FlushSearch::find_faces(std::uint32_t s, std::uint32_t other, const Box& box_m,
+                             std::vector<std::uint32_t>& faces) {
+  const double margin_m = reported_within_m(s, other);
   faces.clear();
   features(s).tree().visit(box_in_mesh(s, box_m), work_, [&](std::uint32_t f) {
-    faces.push_back(f);
+    Box face_m = Box::empty();
+    for (const std::uint32_t v : mesh(s).faces()[f]) {
+      const Vec3 p = position(s, v);
+      face_m = face_m.united({p, p});
+    }
+    const Box near_m = box_in_mesh(other, face_m.grown(margin_m));
+    bool is_near = false;
+    features(other).tree().visit(near_m, work_, [&](std::uint32_t) {
+      is_near = true;
+      return false;
+    });
+    if (is_near) faces.push_back(f);
     return !gives_up();
   });
   std::sort(faces.begin(), faces.end());
@@ -351,8 +369,7 @@ void FlushSearch::search_vertices(std::uint32_t s, std::uint32_t other, const Bo
   std::sort(vertices_.begin(), vertices_.end());
   vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   const double bound_m = joins_within_m(s, other);
-  const double reported_m =
-      std::max(bound_m, kReportedPerJoin * (surfaces_[s].bound_m + surfaces_[other].bound_m));
+  const double reported_m = reported_within_m(s, other);
   for (const std::uint32_t v : vertices_) {
     ++work_;
     if (gives_up()) return;

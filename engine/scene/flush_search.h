@@ -111,7 +111,9 @@ class FlushSearch {
   bool lies_along(std::uint32_t s, std::uint32_t half_edge, const Vec3& from, const Vec3& to,
                   double bound_m) const;
   void cross(const Edge& edge, std::uint32_t other, std::uint32_t other_half_edge);
-  void find_faces(std::uint32_t s, const Box& box_m, std::vector<std::uint32_t>& faces);
+  double reported_within_m(std::uint32_t s, std::uint32_t other) const;
+  void find_faces(std::uint32_t s, std::uint32_t other, const Box& box_m,
+                  std::vector<std::uint32_t>& faces);
   Nearest nearest(std::uint32_t other, const Vec3& p, double bound_m, double reported_m,
                   bool needs_face);
   int side_of_vertex(std::uint32_t s, std::uint32_t vertex, std::uint32_t other, std::uint32_t face,
