@@ -409,6 +409,10 @@ class GodObject {
   bool is_held_by(const Friction& friction, std::span<const FaceContact> holding) const;
   template <typename Friction>
   bool is_held_by_faces(const Friction& friction);
+  template <typename Friction>
+  void hold_by_faces(const Friction& friction);
+  template <typename Friction>
+  Progress rests_or_slides_on_faces(Friction& friction);
   double place_roundoff_m() const;
   Faces holding_faces() const;
   bool falls_to_none(const Vec3& step, std::span<const FaceContact> touched) const;

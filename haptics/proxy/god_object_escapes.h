@@ -136,6 +136,13 @@ bool GodObject::is_held_by(const Friction& friction, std::span<const FaceContact
 // which permits a larger gain.
 template <typename Friction>
 bool GodObject::is_held_by_faces(const Friction& friction) {
+  hold_by_faces(friction);
+  return projection_.solved && !may_gain_by(friction, projection_.displacement_m);
+}
+
+// Determines the planes that hold a point among those of the touched faces that it is over.
+template <typename Friction>
+void GodObject::hold_by_faces(const Friction& friction) {
   auto& faces = around_->scratch;
   std::size_t count = 0;
   for (const FaceContact& contact : around_->all_touched()) {
@@ -144,7 +151,29 @@ bool GodObject::is_held_by_faces(const Friction& friction) {
     faces[count++].clearance_m = scale().stop_m + place_roundoff_m();
   }
   hold_by_most_violated(friction, std::span(faces).first(count));
-  return projection_.solved && !may_gain_by(friction, projection_.displacement_m);
+}
+
+// As is_held_by_faces(), under friction. An edge of another face may touch the point, too; it bears
+// no part of the lag, since the faces alone keep the point. So they replace the contacts that held
+// it. kMoved: a slide along these faces, or along the one of them, leads nearer to the goal.
+// kStuck: they hold the point neither at rest nor during a slide.
+template <typename Friction>
+GodObject::Progress GodObject::rests_or_slides_on_faces(Friction& friction) {
+  const Friction before = friction;
+  hold_by_faces(friction);
+  if (!projection_.solved || projection_.active_count == 0) return Progress::kStuck;
+  hold_by(friction);
+  friction.end_step(false);
+  if (!may_gain_by(friction, projection_.displacement_m)) {
+    for (int i = 0; i < projection_.active_count; ++i) {
+      FaceContact& contact = contacts_[projection_.active[i]];
+      contact = tracer_.contact_over(contact.face, proxy_, contact.normal);
+    }
+    return Progress::kHeld;
+  }
+  friction = before;
+  const bool slides = tries(friction, [&] { take_step(friction); });
+  return slides ? Progress::kMoved : Progress::kStuck;
 }
 
 // Tries to improve the position of a proxy that planes hold. Returns true if an attempt succeeded.
@@ -174,7 +203,16 @@ template <typename Friction>
   if (!is_beside && holding.count < 2) return false;
   const ProxyPlace here = place_now();
   look_around();
-  if (tracer_.is_cut_short() || is_held_by_faces(friction)) {
+  bool is_held = false;
+  if constexpr (Friction::kHolds) {
+    if (!tracer_.is_cut_short()) {
+      const Progress on_faces = rests_or_slides_on_faces(friction);
+      if (on_faces != Progress::kStuck) return on_faces == Progress::kMoved;
+    }
+  } else {
+    is_held = !tracer_.is_cut_short() && is_held_by_faces(friction);
+  }
+  if (tracer_.is_cut_short() || is_held) {
     return_to(here);
     return false;
   }
