@@ -32,6 +32,10 @@ constexpr int kMostPasses = 16;
 constexpr int kTurnsPerPass = 4;  // among the faces that one place lies on
 // A place is where it should be if it moves less than this part of kOverlapPerStandOff.
 constexpr double kSettledPerOverlap = 0x1p-6;
+// An edge that passes a flat edge of another surface is not divided if it overlaps by this part of
+// kOverlapPerStandOff. It may overlap by less than the whole because one of its ends is a vertex of
+// both surfaces.
+constexpr double kLeastOverlapOfPass = 0.125;
 
 // Bounds the distance between a position and the one that to_mesh() and vertex() give for it, in
 // units of the unit roundoff times |L| |v| + |t|. For each of the two functions, 5 for three
@@ -58,6 +62,8 @@ struct MeetingPlace {
   std::vector<std::uint32_t> vertices_of;  // surfaces, ascending; one vertex of each
   std::vector<DividedEdge> edges;
   std::vector<FaceBelow> faces;
+  bool is_crossing = false;  // of two sharp edges
+  bool is_moved = false;     // its faces moved it
 
   bool has_edge_of(std::uint32_t s) const {
     return std::any_of(edges.begin(), edges.end(),
@@ -214,6 +220,7 @@ class Conformer {
       }
       if (places_[place].is_on(m.other)) continue;
       if (m.side == 0) {
+        places_[place].is_crossing = true;
         places_[place].edges.push_back({m.other, lower(m.other, m.other_half_edge)});
         continue;
       }
@@ -248,7 +255,9 @@ class Conformer {
       double most_m = 0.0;
       for (MeetingPlace& place : places_) {
         if (place.edges.empty() && place.faces.empty()) continue;
-        const Vec3 p = on_faces(place, on_edge(place));
+        const Vec3 on_edges = on_edge(place);
+        const Vec3 p = on_faces(place, on_edges);
+        place.is_moved = p != on_edges;
         most_m = std::max(most_m, (p - place.position_m).norm());
         place.position_m = p;
       }
@@ -269,6 +278,8 @@ class Conformer {
   }
 
   Vec3 on_faces(const MeetingPlace& place, Vec3 p) const {
+    const bool is_pass = place.vertices_of.empty() && !place.is_crossing;
+    const double least_m = (is_pass ? kLeastOverlapOfPass : 1 - kSettledPerOverlap) * overlap_m_;
     for (int turn = 0; turn < kTurnsPerPass; ++turn) {
       bool is_moved = false;
       for (const FaceBelow& below : place.faces) {
@@ -277,7 +288,7 @@ class Conformer {
                                 .cross(start_of(below.surface, 3 * below.face + 2) - a)
                                 .normalized();
         const double depth_m = below.side * normal.dot(p - a);
-        if (!(depth_m < (1 - kSettledPerOverlap) * overlap_m_)) continue;
+        if (!(depth_m < least_m)) continue;
         p += below.side * (overlap_m_ - depth_m) * normal;
         is_moved = true;
       }
@@ -313,8 +324,10 @@ class Conformer {
     return all;
   }
 
-  // Whether surfaces are changed at a place, or meet in it.
+  // Whether surfaces are changed at a place, or meet in it. Edges that only pass a flat edge of
+  // another surface are divided where they would come out of its faces, and not elsewhere.
   static bool is_real(const MeetingPlace& place) {
+    if (place.vertices_of.empty() && !place.is_crossing) return place.is_moved;
     return place.is_shared() || !place.faces.empty();
   }
 
@@ -428,6 +441,7 @@ std::vector<PlacedSurface> touching(std::span<const Box> boxes,
 }  // namespace
 
 Result<Conforming> conform(const std::vector<WeldedSurface>& meshes, std::span<const Box> boxes,
+                           std::span<const double> moved_m,
                            std::span<const NodeDescription* const> nodes,
                            const ConformingSettings& settings, MemoryLedger& ledger) {
   constexpr std::uint64_t kPerSurface = sizeof(Box) + sizeof(double) + sizeof(PlacedSurface);
@@ -437,7 +451,7 @@ Result<Conforming> conform(const std::vector<WeldedSurface>& meshes, std::span<c
   if (auto error = ledger.check(nodes.size() * kPerSurface)) return *error;
   const std::vector<PlacedSurface> surfaces = touching(boxes, nodes, settings);
   if (surfaces.size() < 2) return Conforming{};
-  FlushSearch search(meshes, boxes, surfaces, settings.close_gaps_m, ledger);
+  FlushSearch search(meshes, boxes, moved_m, surfaces, settings.close_gaps_m, ledger);
   Result<Meetings> meetings = search.find();
   if (!meetings) return meetings.error();
   const std::uint64_t most_places = 2 * meetings->vertices.size() + meetings->on_edges.size() +

@@ -38,7 +38,7 @@ struct Conforming {
   std::size_t joined_vertices = 0;          // vertices that lie on vertices of other surfaces
   std::size_t joined_places = 0;            // distinct positions of these vertices
   std::size_t divided_edges = 0;
-  // Vertices that are near a vertex of another surface, and not joined.
+  // Vertices that are near a vertex or a sharp edge of another surface, and not joined.
   std::size_t apart = 0;
   double least_apart_m = 0.0;
   double most_apart_m = 0.0;
@@ -47,6 +47,8 @@ struct Conforming {
 };
 
 // nodes: the nodes at rest, in ascending order of surfaces. boxes: of the meshes, mesh frame.
+// moved_m: how far earlier changes have moved vertices of the meshes, mesh frame. Faces that were in
+// one plane before still count as flat; else each round would divide what the last one has bent.
 //
 // A vertex on a vertex: both get the position of the surface with the lowest number (at each place,
 // at most one vertex of a surface is joined, the nearest one). A vertex on a sharp edge (one whose
@@ -59,6 +61,7 @@ struct Conforming {
 // that are farther apart do not change. Deterministic. The cost is that of the search for touching
 // boxes, O(n log n), and of FlushSearch for those that touch. The error is that of the ledger.
 Result<Conforming> conform(const std::vector<WeldedSurface>& meshes, std::span<const Box> boxes,
+                           std::span<const double> moved_m,
                            std::span<const NodeDescription* const> nodes,
                            const ConformingSettings& settings, MemoryLedger& ledger);
 

@@ -25,10 +25,6 @@ constexpr double kFloatPerTransform = 4 * kFloat;
 // rounded components; 4 for the program that turned an offset by it, or that multiplied two
 // rotations.
 constexpr double kFloatPerTurn = 8 * kFloat;
-// Distance of a vertex from the plane of three others, relative to the coordinates: each of the
-// four vertices has its own error.
-constexpr double kFloatPerPlane = 4 * kFloatPerVertex;
-
 // Two edges that cross at an acute angle are apart by this multiple of the bound at the nearer end,
 // at least. Edges that diverge less coincide, and then their ends lie on each other.
 constexpr double kDivergesPerBound = 4.0;
@@ -144,15 +140,16 @@ double float_rounding_m(const NodeDescription& node, const Vec3& reach_m) {
          factors * (kFloatPerTransform + (is_turned ? kFloatPerTurn : 0.0)) * terms_m;
 }
 
-double float_flatness_m(const Vec3& reach_m) {
-  return kFloatPerPlane * reach_m.norm();
+double float_rounding_of_vertex_m(const Vec3& reach_m) {
+  return kFloatPerVertex * reach_m.norm();
 }
 
 FlushSearch::FlushSearch(const std::vector<WeldedSurface>& meshes, std::span<const Box> boxes,
-                         std::span<const PlacedSurface> surfaces, double close_gaps_m,
-                         MemoryLedger& ledger)
+                         std::span<const double> moved_m, std::span<const PlacedSurface> surfaces,
+                         double close_gaps_m, MemoryLedger& ledger)
     : meshes_(meshes),
       boxes_(boxes),
+      moved_m_(moved_m),
       surfaces_(surfaces),
       close_gaps_m_(close_gaps_m),
       ledger_(ledger) {
@@ -222,7 +219,8 @@ bool FlushSearch::make_features(std::uint32_t mesh) {
   if (is_memory_short_) return false;
   const Box& box = boxes_[mesh];
   const Vec3 reach_m = box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs());
-  made = std::make_unique<MeshFeatures>(meshes_[mesh], float_flatness_m(reach_m));
+  made = std::make_unique<MeshFeatures>(meshes_[mesh],
+                                        float_rounding_of_vertex_m(reach_m) + moved_m_[mesh]);
   work_ += meshes_[mesh].face_count();
   return true;
 }
@@ -278,7 +276,7 @@ void FlushSearch::find_faces(std::uint32_t s, std::uint32_t other, const Box& bo
   std::sort(faces.begin(), faces.end());
 }
 
-// The features near p: vertices up to reported_m away, others up to bound_m. Of equally near
+// The features near p: vertices and edges up to reported_m away, faces up to bound_m. Of equally near
 // features, the one with the lowest number. A vertex within the bound makes edges needless, and
 // either of them makes faces needless: then these are not examined.
 FlushSearch::Nearest FlushSearch::nearest(std::uint32_t other, const Vec3& p, double bound_m,
@@ -386,10 +384,10 @@ void FlushSearch::search_vertices(std::uint32_t s, std::uint32_t other, const Bo
     } else if (near.face_m <= bound_m) {
       const int side = is_sharp ? side_of_vertex(s, v, other, near.face, bound_m) : 0;
       if (side != 0) found_.on_faces.push_back({s, v, other, near.face, side});
-    } else if (is_sharp && near.vertex_m <= reported_m) {
-      found_.least_apart_m =
-          found_.apart == 0 ? near.vertex_m : std::min(found_.least_apart_m, near.vertex_m);
-      found_.most_apart_m = std::max(found_.most_apart_m, near.vertex_m);
+    } else if (const double gap_m = std::min(near.vertex_m, near.edge_m);
+               is_sharp && gap_m <= reported_m) {
+      found_.least_apart_m = found_.apart == 0 ? gap_m : std::min(found_.least_apart_m, gap_m);
+      found_.most_apart_m = std::max(found_.most_apart_m, gap_m);
       ++found_.apart;
     }
   }

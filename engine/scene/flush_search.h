@@ -16,8 +16,8 @@
 
 namespace palpate {
 
-// A vertex is reported as near another one, and not joined, up to this multiple of the distance
-// that rounding explains.
+// A vertex is reported as near another vertex or an edge, and not joined, up to this multiple of the
+// distance that rounding explains.
 inline constexpr double kReportedPerJoin = 64.0;
 
 // A surface in the solver frame.
@@ -41,8 +41,8 @@ struct PlacedSurface {
 // the numbers in the file, and those from which they were computed, were rounded to single
 // precision. reach_m: the largest |coordinate| of the mesh's vertices, by axis.
 double float_rounding_m(const NodeDescription& node, const Vec3& reach_m);
-// The largest distance, mesh frame, between a vertex and the plane that its author intended.
-double float_flatness_m(const Vec3& reach_m);
+// The part of that bound that belongs to the vertices themselves, mesh frame.
+double float_rounding_of_vertex_m(const Vec3& reach_m);
 
 // A vertex that lies on a vertex of another surface. Both get one position.
 struct VertexOnVertex {
@@ -74,7 +74,8 @@ struct Meetings {
   std::vector<VertexOnEdge> on_edges;
   std::vector<VertexOnFace> on_faces;
   std::vector<EdgeOnEdge> crossings;
-  // Vertices that are near a vertex of another surface, but farther than they may be joined.
+  // Vertices that are near a vertex or a sharp edge of another surface, but farther than they may be
+  // joined.
   std::size_t apart = 0;
   double least_apart_m = 0.0;
   double most_apart_m = 0.0;
@@ -86,9 +87,11 @@ struct Meetings {
 // kMostWork, or if memory is short. Deterministic.
 class FlushSearch {
  public:
-  // meshes and surfaces must outlive this object. boxes: of the meshes, mesh frame.
+  // meshes, boxes, moved_m and surfaces must outlive this object. boxes: of the meshes, mesh frame.
+  // moved_m: see conform().
   FlushSearch(const std::vector<WeldedSurface>& meshes, std::span<const Box> boxes,
-              std::span<const PlacedSurface> surfaces, double close_gaps_m, MemoryLedger& ledger);
+              std::span<const double> moved_m, std::span<const PlacedSurface> surfaces,
+              double close_gaps_m, MemoryLedger& ledger);
 
   Result<Meetings> find();
 
@@ -133,6 +136,7 @@ class FlushSearch {
 
   const std::vector<WeldedSurface>& meshes_;
   std::span<const Box> boxes_;
+  std::span<const double> moved_m_;
   std::span<const PlacedSurface> surfaces_;
   double close_gaps_m_;
   MemoryLedger& ledger_;

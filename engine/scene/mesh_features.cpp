@@ -17,18 +17,27 @@ std::vector<Box> boxes_of_faces(const WeldedSurface& mesh) {
 }
 
 // Whether the corner opposite to the mate of a half-edge lies in the plane of the half-edge's face.
+// With the barycentric coordinates w of the corner in this plane, errors of all four vertices give
+// it a height of up to error_m (1 + |w_a| + |w_b| + |w_c|).
 bool is_in_plane(const WeldedSurface& mesh, std::uint32_t half_edge, std::uint32_t mate,
-                 double flat_m) {
+                 double error_m) {
   const Triangle& face = mesh.faces()[half_edge / 3];
   const Vec3& a = mesh.positions()[face[0]];
-  const Vec3 normal = (mesh.positions()[face[1]] - a).cross(mesh.positions()[face[2]] - a);
+  const Vec3 ab = mesh.positions()[face[1]] - a;
+  const Vec3 ac = mesh.positions()[face[2]] - a;
+  const Vec3 normal = ab.cross(ac);
+  const double square = normal.squaredNorm();
   const std::uint32_t opposite = mesh.faces()[mate / 3][previous_half_edge(mate) % 3];
-  return std::abs(normal.dot(mesh.positions()[opposite] - a)) <= flat_m * normal.norm();
+  const Vec3 ad = mesh.positions()[opposite] - a;
+  const double w_b = ad.cross(ac).dot(normal) / square;
+  const double w_c = ab.cross(ad).dot(normal) / square;
+  const double errors = 1.0 + std::abs(1.0 - w_b - w_c) + std::abs(w_b) + std::abs(w_c);
+  return std::abs(normal.dot(ad)) <= errors * error_m * std::sqrt(square);
 }
 
 }  // namespace
 
-MeshFeatures::MeshFeatures(const WeldedSurface& mesh, double flat_m)
+MeshFeatures::MeshFeatures(const WeldedSurface& mesh, double error_m)
     : tree_(boxes_of_faces(mesh)),
       starts_(3 * mesh.face_count()),
       first_(mesh.positions().size() + 1, 0),
@@ -44,8 +53,8 @@ MeshFeatures::MeshFeatures(const WeldedSurface& mesh, double flat_m)
   for (std::uint32_t h = 0; h < starts_.size(); ++h) {
     const std::uint32_t mate = mesh.mates().aligned[h];
     edges_[h].is_first = mate > h;
-    if (mate != kNoHalfEdge && is_in_plane(mesh, h, mate, flat_m) &&
-        is_in_plane(mesh, mate, h, flat_m)) {
+    if (mate != kNoHalfEdge && is_in_plane(mesh, h, mate, error_m) &&
+        is_in_plane(mesh, mate, h, error_m)) {
       edges_[h].is_sharp = false;
       continue;
     }

@@ -11,14 +11,13 @@
 
 namespace palpate {
 
-// An edge is flat if its two faces lie in one plane, to within the rounding of the file's floats.
+// An edge is flat if its two faces lie in one plane, to within the errors of their four vertices.
 // Every other edge is sharp, also one with a single face. A vertex is sharp if one of its edges is.
 // Load time only; the mesh must outlive the object.
 class MeshFeatures {
  public:
-  // flat_m: the largest distance of a vertex from the plane of a face that counts as no distance,
-  // mesh frame.
-  MeshFeatures(const WeldedSurface& mesh, double flat_m);
+  // error_m: the largest distance, mesh frame, between a vertex and its intended position.
+  MeshFeatures(const WeldedSurface& mesh, double error_m);
 
   // The memory that the features of a mesh need, including their construction.
   static std::uint64_t bytes(const WeldedSurface& mesh);

@@ -79,7 +79,7 @@ struct SceneStatistics {
   std::size_t seam_nodes = 0;           // nodes that have such vertices
   std::size_t changed_nodes = 0;   // nodes whose surface was made to meet others (conforming.h)
   std::size_t divided_edges = 0;   // edges of these nodes that were divided
-  std::size_t apart_vertices = 0;  // vertices near those of other nodes, and not joined
+  std::size_t apart_vertices = 0;  // near a vertex or an edge of another node, and not joined
   double least_apart_m = 0.0;      // the least and the largest distance of these vertices
   double most_apart_m = 0.0;
   double scale = 1.0;  // the applied scale
@@ -236,6 +236,7 @@ class Scene {
   std::map<std::uint32_t, std::vector<std::uint32_t>> met_of_node_;
   bool are_nodes_searched_ = true;  // for places where they meet; only during compile()
   std::vector<bool> is_changed_;    // per node; only during compile()
+  std::vector<double> moved_m_;     // per mesh, how far vertices were moved; only during compile()
   std::size_t file_meshes_ = 0;     // the first of welded_, without copies for changed nodes
   std::vector<std::uint32_t> node_of_object_;  // index into the description, only during compile()
   std::vector<std::size_t> material_set_of_object_;  // only during compile()

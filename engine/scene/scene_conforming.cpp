@@ -78,6 +78,24 @@ std::vector<Vec3> met_positions(const WeldedSurface& mesh, const ConformingSurfa
   return positions;
 }
 
+// How far the changes move vertices, and added vertices off the edges that they divide, mesh frame.
+double most_moved_m(const WeldedSurface& mesh, const SurfaceChanges& changes) {
+  const std::span<const Vec3> positions = mesh.positions();
+  double most_m = 0.0;
+  for (const MovedVertex& moved : changes.moved) {
+    most_m = std::max(most_m, (moved.position_m - positions[moved.vertex]).norm());
+  }
+  for (const EdgeDivision& division : changes.divisions) {
+    if (division.vertex < positions.size()) continue;
+    const Triangle& face = mesh.faces()[division.half_edge / 3];
+    const Vec3& from = positions[face[division.half_edge % 3]];
+    const Vec3& to = positions[face[next_half_edge(division.half_edge) % 3]];
+    const Vec3 on_edge = from + division.along * (to - from);
+    most_m = std::max(most_m, (changes.added_m[division.vertex - positions.size()] - on_edge).norm());
+  }
+  return most_m;
+}
+
 }  // namespace
 
 // The nodes whose surfaces can be touched; the others bound media.
@@ -105,11 +123,12 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
   for (const std::uint32_t i : *solid) described.push_back(&nodes[i]);
   const Vec3 middle_m = 0.5 * (bounds.low + bounds.high);
   is_changed_.assign(nodes.size(), false);
+  moved_m_.assign(welded_.size(), 0.0);
   std::size_t divided_edges = 0;
   const std::size_t warnings = statistics_.warnings.size();
   for (int round = 0; round < kMostRounds; ++round) {
     Result<Conforming> made =
-        conform(welded_, boxes, described,
+        conform(welded_, boxes, moved_m_, described,
                 {middle_m, statistics_.extent_m.maxCoeff(), settings.close_gaps_m}, *ledger_);
     if (!made) return made.error();
     if (!made->is_complete && round > 0) break;  // what the rounds before joined stays joined
@@ -126,6 +145,7 @@ std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
   statistics_.changed_nodes =
       static_cast<std::size_t>(std::count(is_changed_.begin(), is_changed_.end(), true));
   is_changed_ = {};
+  moved_m_ = {};
   note_conforming(settings.close_gaps_m);
   if (statistics_.changed_nodes > 0) bounds = bounds_in_scene(welded_, boxes, nodes);
   return std::nullopt;
@@ -175,9 +195,11 @@ std::optional<Error> Scene::change_nodes(std::vector<ConformingSurface>& surface
       MeshParts parts = parts_[node.mesh];
       parts_.push_back(std::move(parts));
       boxes.push_back(boxes[node.mesh]);
+      moved_m_.push_back(moved_m_[node.mesh]);
       node.mesh = static_cast<std::uint32_t>(welded_.size() - 1);
     }
     WeldedSurface& own = welded_[node.mesh];
+    moved_m_[node.mesh] += most_moved_m(own, surface.changes);
     own.change(surface.changes);
     parts_[node.mesh].follow(own, first_triangles);
     boxes[node.mesh] = box_around(own.positions());
@@ -219,7 +241,7 @@ void Scene::note_conforming(double close_gaps_m) {
   if (s.apart_vertices > 0) {
     text.str({});
     text << "seams: " << s.apart_vertices << " vertices are " << s.least_apart_m << " to "
-         << s.most_apart_m << " m from those of other nodes, farther than rounding explains, and "
+         << s.most_apart_m << " m from vertices or edges of other nodes, farther than rounding explains, and "
          << "stay open; `SceneSettings::close_gaps_m` joins them";
     statistics_.notes.push_back(text.str());
   }

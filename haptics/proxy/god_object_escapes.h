@@ -155,8 +155,8 @@ void GodObject::hold_by_faces(const Friction& friction) {
 
 // As is_held_by_faces(), under friction. An edge of another face may touch the point, too; it bears
 // no part of the lag, since the faces alone keep the point. So they replace the contacts that held
-// it. kMoved: a slide along these faces, or along the one of them, leads nearer to the goal.
-// kStuck: they hold the point neither at rest nor during a slide.
+// it. kMoved: a slide along these faces leads nearer to the goal. kStuck: they neither hold the
+// point nor let it slide.
 template <typename Friction>
 GodObject::Progress GodObject::rests_or_slides_on_faces(Friction& friction) {
   const Friction before = friction;
@@ -203,16 +203,13 @@ template <typename Friction>
   if (!is_beside && holding.count < 2) return false;
   const ProxyPlace here = place_now();
   look_around();
-  bool is_held = false;
   if constexpr (Friction::kHolds) {
     if (!tracer_.is_cut_short()) {
       const Progress on_faces = rests_or_slides_on_faces(friction);
       if (on_faces != Progress::kStuck) return on_faces == Progress::kMoved;
     }
-  } else {
-    is_held = !tracer_.is_cut_short() && is_held_by_faces(friction);
   }
-  if (tracer_.is_cut_short() || is_held) {
+  if (tracer_.is_cut_short() || (!Friction::kHolds && is_held_by_faces(friction))) {
     return_to(here);
     return false;
   }

@@ -21,6 +21,7 @@
 #include "tests/helpers/compiled_scene.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
 #include "tests/helpers/worlds.h"
 
@@ -614,7 +615,7 @@ TEST(FlushNodes, AreJoinedAlikeWhereverTheirNumbersAre) {
       const auto place = static_cast<double>(i - alone_before);
       node.name = "node " + std::to_string(i);
       node.translation_m =
-          is_alone ? Vec3(i * step * 3, 1.0, 0.0) : rounded(Vec3(place * step, 0, 0));
+          is_alone ? Vec3(static_cast<double>(i) * step * 3, 1.0, 0.0) : rounded(Vec3(place * step, 0, 0));
       node.product = TransformProduct::of(Mat3::Identity(), node.translation_m);
       description.nodes.push_back(node);
     }
@@ -673,6 +674,75 @@ TEST(FlushNodes, LetAPointFollowASeamInEveryTick) {
     }
   }
   EXPECT_LE(capped, ticks / 10000) << "of " << ticks;
+}
+
+// A point that friction holds, whose goal moves along a seam or within rounding of it, slides with
+// mu_k on one material, whatever edges of either node lie there: an edge bears no part of the lag of
+// a point that is over a face. Where the point meets an edge, its normal may tip for one tick, and
+// the slide then ends a little below the cone.
+TEST(FlushNodes, LetAPointSlideAlongASeam) {
+  std::size_t capped = 0;
+  std::size_t slides = 0;
+  std::size_t sticks = 0;
+  double least = 1.0;
+  for (std::uint64_t n = 0; n < in_soak_or_else(2000u, 100u); ++n) {
+    Random random(9100 + n);
+    Layout layout = row(random, false);
+    for (Block& block : layout.blocks) {
+      block.parts = {between(random, 1, 4), between(random, 1, 8), between(random, 1, 8)};
+    }
+    Writing writing = exact_writing();
+    writing.unit_m = 1.0 / 64;
+    const Scene scene = compiled(described(layout, writing));
+    const Block& block = layout.blocks[1 + random.index(layout.blocks.size() - 1)];
+    const bool is_on_top = random.index(2) == 0;
+    const int along = is_on_top ? 1 : 2;
+    const int across = is_on_top ? 2 : 1;
+    const double length = block.high[static_cast<std::size_t>(along)];
+    const double top = block.high[static_cast<std::size_t>(across)];
+    const double mu_k = random.uniform(0.05, 1.0);
+    const double mu_s = mu_k * random.uniform(1.0, 1.5);
+    const double depth = random.uniform(0.01, 0.2) * length;
+    const double step = length * std::pow(2.0, -random.uniform(5.0, 9.0));
+    const double beside = random.index(2) == 0 ? 0.0 : std::pow(10.0, random.uniform(-16.0, -6.0));
+    const auto at = [&](double way, double height, double aside) {
+      Vec3 p;
+      p[0] = block.low[0] + aside;
+      p[along] = way;
+      p[across] = top + height;
+      return scene.world().to_solver(writing.to_scene(p));
+    };
+    GodObject god(scene.world(), {});
+    test::SameCone cone({mu_s, mu_k});
+    const Vec3 out = (at(0.1 * length, 1.0, 0.0) - at(0.1 * length, 0.0, 0.0)).normalized();
+    god.place(at(0.1 * length, 0.01, 0.0));
+    double way = 0.1 * length;
+    double pulled = 0.0;
+    for (int tick = 0; tick < 80 && way + step < 0.9 * length; ++tick) {
+      const Vec3 goal = at(way, -depth, random.index(2) == 0 ? beside : -beside);
+      const ProxyState state = god.move_with_friction(goal, std::nullopt, {cone, 0.0});
+      capped += state.capped;
+      way += step;
+      pulled += step;
+      if (tick == 0 || state.capped || pulled < (mu_s + 0.1) * depth + 2 * step) continue;
+      ++slides;
+      const Vec3 lag = god.proxy() - goal;
+      const double depth_m = lag.dot(out);
+      const double ratio = (lag - depth_m * out).norm() / depth_m;
+      // The proxy keeps its height to within a stand-off, and the goal swings by twice `beside`.
+      const double off_m = god.scale().stand_off_m + 2 * beside * writing.unit_m;
+      const double tolerance = 1e-9 + 2 * off_m / depth_m;
+      ASSERT_LE(ratio, mu_k + tolerance) << n << " " << tick << " " << beside;
+      sticks += ratio < mu_k - tolerance;
+      least = std::min(least, ratio / mu_k);
+    }
+  }
+  std::printf("%zu slides, %zu below the cone, the lowest by %.3g of mu_k; %zu capped\n", slides,
+              sticks, 1.0 - least, capped);
+  EXPECT_GT(slides, 1000u);
+  EXPECT_LE(capped, slides / 10000) << "of " << slides;
+  EXPECT_LE(sticks, slides / 100);
+  EXPECT_GE(least, 0.999);
 }
 
 // Instances of one box at multiples of its width, which are rounded to float.
