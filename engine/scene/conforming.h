@@ -47,8 +47,8 @@ struct Conforming {
 };
 
 // nodes: the nodes at rest, in ascending order of surfaces. boxes: of the meshes, mesh frame.
-// moved_m: how far earlier changes have moved vertices of the meshes, mesh frame. Faces that were in
-// one plane before still count as flat; else each round would divide what the last one has bent.
+// moved_m: how far earlier changes have moved vertices of the meshes, mesh frame. Faces that were
+// in one plane before still count as flat; else each round would divide what the last one has bent.
 //
 // A vertex on a vertex: both get the position of the surface with the lowest number (at each place,
 // at most one vertex of a surface is joined, the nearest one). A vertex on a sharp edge (one whose

@@ -276,9 +276,9 @@ void FlushSearch::find_faces(std::uint32_t s, std::uint32_t other, const Box& bo
   std::sort(faces.begin(), faces.end());
 }
 
-// The features near p: vertices and edges up to reported_m away, faces up to bound_m. Of equally near
-// features, the one with the lowest number. A vertex within the bound makes edges needless, and
-// either of them makes faces needless: then these are not examined.
+// The features near p: vertices and edges up to reported_m away, faces up to bound_m. Of equally
+// near features, the one with the lowest number. A vertex within the bound makes edges needless,
+// and either of them makes faces needless: then these are not examined.
 FlushSearch::Nearest FlushSearch::nearest(std::uint32_t other, const Vec3& p, double bound_m,
                                           double reported_m, bool needs_face) {
   Nearest best;

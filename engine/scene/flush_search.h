@@ -16,8 +16,8 @@
 
 namespace palpate {
 
-// A vertex is reported as near another vertex or an edge, and not joined, up to this multiple of the
-// distance that rounding explains.
+// A vertex is reported as near another vertex or an edge, and not joined, up to this multiple of
+// the distance that rounding explains.
 inline constexpr double kReportedPerJoin = 64.0;
 
 // A surface in the solver frame.
@@ -74,8 +74,8 @@ struct Meetings {
   std::vector<VertexOnEdge> on_edges;
   std::vector<VertexOnFace> on_faces;
   std::vector<EdgeOnEdge> crossings;
-  // Vertices that are near a vertex or a sharp edge of another surface, but farther than they may be
-  // joined.
+  // Vertices that are near a vertex or a sharp edge of another surface, but farther than they may
+  // be joined.
   std::size_t apart = 0;
   double least_apart_m = 0.0;
   double most_apart_m = 0.0;

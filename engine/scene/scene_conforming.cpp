@@ -91,7 +91,8 @@ double most_moved_m(const WeldedSurface& mesh, const SurfaceChanges& changes) {
     const Vec3& from = positions[face[division.half_edge % 3]];
     const Vec3& to = positions[face[next_half_edge(division.half_edge) % 3]];
     const Vec3 on_edge = from + division.along * (to - from);
-    most_m = std::max(most_m, (changes.added_m[division.vertex - positions.size()] - on_edge).norm());
+    most_m =
+        std::max(most_m, (changes.added_m[division.vertex - positions.size()] - on_edge).norm());
   }
   return most_m;
 }
@@ -241,7 +242,8 @@ void Scene::note_conforming(double close_gaps_m) {
   if (s.apart_vertices > 0) {
     text.str({});
     text << "seams: " << s.apart_vertices << " vertices are " << s.least_apart_m << " to "
-         << s.most_apart_m << " m from vertices or edges of other nodes, farther than rounding explains, and "
+         << s.most_apart_m
+         << " m from vertices or edges of other nodes, farther than rounding explains, and "
          << "stay open; `SceneSettings::close_gaps_m` joins them";
     statistics_.notes.push_back(text.str());
   }

@@ -614,8 +614,8 @@ TEST(FlushNodes, AreJoinedAlikeWhereverTheirNumbersAre) {
       const bool is_alone = i < alone_before || i >= alone_before + 10;
       const auto place = static_cast<double>(i - alone_before);
       node.name = "node " + std::to_string(i);
-      node.translation_m =
-          is_alone ? Vec3(static_cast<double>(i) * step * 3, 1.0, 0.0) : rounded(Vec3(place * step, 0, 0));
+      node.translation_m = is_alone ? Vec3(static_cast<double>(i) * step * 3, 1.0, 0.0)
+                                    : rounded(Vec3(place * step, 0, 0));
       node.product = TransformProduct::of(Mat3::Identity(), node.translation_m);
       description.nodes.push_back(node);
     }
@@ -677,9 +677,9 @@ TEST(FlushNodes, LetAPointFollowASeamInEveryTick) {
 }
 
 // A point that friction holds, whose goal moves along a seam or within rounding of it, slides with
-// mu_k on one material, whatever edges of either node lie there: an edge bears no part of the lag of
-// a point that is over a face. Where the point meets an edge, its normal may tip for one tick, and
-// the slide then ends a little below the cone.
+// mu_k on one material, whatever edges of either node lie there: an edge bears no part of the lag
+// of a point that is over a face. Where the point meets an edge, its normal may tip for one tick,
+// and the slide then ends a little below the cone.
 TEST(FlushNodes, LetAPointSlideAlongASeam) {
   std::size_t capped = 0;
   std::size_t slides = 0;
