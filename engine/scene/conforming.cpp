@@ -34,7 +34,8 @@ constexpr int kTurnsPerPass = 4;  // among the faces that one place lies on
 constexpr double kSettledPerOverlap = 0x1p-6;
 // An edge that passes a flat edge of another surface is not divided if it overlaps by this part of
 // kOverlapPerStandOff. It may overlap by less than the whole because one of its ends is a vertex of
-// both surfaces.
+// both surfaces. The part is still many times kRoundoffOfPlace: a stand-off is about 1e-11 of the
+// scene's size, so that the least overlap is 8e-14 of it.
 constexpr double kLeastOverlapOfPass = 0.125;
 
 // Bounds the distance between a position and the one that to_mesh() and vertex() give for it, in
@@ -74,6 +75,8 @@ struct MeetingPlace {
     return has_edge_of(s) || std::binary_search(vertices_of.begin(), vertices_of.end(), s);
   }
   bool is_shared() const { return vertices_of.size() + edges.size() > 1; }
+  // Whether edges only pass flat edges of other surfaces here.
+  bool is_pass() const { return vertices_of.empty() && !is_crossing; }
 };
 
 struct PlacedVertex {
@@ -278,8 +281,8 @@ class Conformer {
   }
 
   Vec3 on_faces(const MeetingPlace& place, Vec3 p) const {
-    const bool is_pass = place.vertices_of.empty() && !place.is_crossing;
-    const double least_m = (is_pass ? kLeastOverlapOfPass : 1 - kSettledPerOverlap) * overlap_m_;
+    const double least_m =
+        (place.is_pass() ? kLeastOverlapOfPass : 1 - kSettledPerOverlap) * overlap_m_;
     for (int turn = 0; turn < kTurnsPerPass; ++turn) {
       bool is_moved = false;
       for (const FaceBelow& below : place.faces) {
@@ -324,10 +327,10 @@ class Conformer {
     return all;
   }
 
-  // Whether surfaces are changed at a place, or meet in it. Edges that only pass a flat edge of
-  // another surface are divided where they would come out of its faces, and not elsewhere.
+  // Whether surfaces are changed at a place, or meet in it. Edges that pass a flat edge are divided
+  // where they would come out of its faces, and not elsewhere.
   static bool is_real(const MeetingPlace& place) {
-    if (place.vertices_of.empty() && !place.is_crossing) return place.is_moved;
+    if (place.is_pass()) return place.is_moved;
     return place.is_shared() || !place.faces.empty();
   }
 

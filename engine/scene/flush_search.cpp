@@ -25,6 +25,7 @@ constexpr double kFloatPerTransform = 4 * kFloat;
 // rounded components; 4 for the program that turned an offset by it, or that multiplied two
 // rotations.
 constexpr double kFloatPerTurn = 8 * kFloat;
+
 // Two edges that cross at an acute angle are apart by this multiple of the bound at the nearer end,
 // at least. Edges that diverge less coincide, and then their ends lie on each other.
 constexpr double kDivergesPerBound = 4.0;

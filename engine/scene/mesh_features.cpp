@@ -26,13 +26,14 @@ bool is_in_plane(const WeldedSurface& mesh, std::uint32_t half_edge, std::uint32
   const Vec3 ab = mesh.positions()[face[1]] - a;
   const Vec3 ac = mesh.positions()[face[2]] - a;
   const Vec3 normal = ab.cross(ac);
-  const double square = normal.squaredNorm();
   const std::uint32_t opposite = mesh.faces()[mate / 3][previous_half_edge(mate) % 3];
   const Vec3 ad = mesh.positions()[opposite] - a;
-  const double w_b = ad.cross(ac).dot(normal) / square;
-  const double w_c = ab.cross(ad).dot(normal) / square;
-  const double errors = 1.0 + std::abs(1.0 - w_b - w_c) + std::abs(w_b) + std::abs(w_c);
-  return std::abs(normal.dot(ad)) <= errors * error_m * std::sqrt(square);
+  // All multiplied by the square of the normal, since a face may have no area.
+  const double one = normal.squaredNorm();
+  const double w_b = ad.cross(ac).dot(normal);
+  const double w_c = ab.cross(ad).dot(normal);
+  const double errors = one + std::abs(one - w_b - w_c) + std::abs(w_b) + std::abs(w_c);
+  return std::abs(normal.dot(ad)) * normal.norm() <= errors * error_m;
 }
 
 }  // namespace

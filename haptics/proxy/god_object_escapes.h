@@ -155,16 +155,19 @@ void GodObject::hold_by_faces(const Friction& friction) {
 
 // As is_held_by_faces(), under friction. An edge of another face may touch the point, too; it bears
 // no part of the lag, since the faces alone keep the point. So they replace the contacts that held
-// it. kMoved: a slide along these faces leads nearer to the goal. kStuck: they neither hold the
-// point nor let it slide.
+// it. kMoved: the point slid along these faces, however little, so that its lag is on their cone.
+// kStuck: they neither hold the point nor let it slide.
 template <typename Friction>
 GodObject::Progress GodObject::rests_or_slides_on_faces(Friction& friction) {
   const Friction before = friction;
   hold_by_faces(friction);
   if (!projection_.solved || projection_.active_count == 0) return Progress::kStuck;
-  hold_by(friction);
+  const bool holds = hold_by(friction);
+  const bool is_above_cone =
+      holds && friction.wants_to_slide && !has_converged(projection_.displacement_m);
+  const bool gains = may_gain_by(friction, projection_.displacement_m);
   friction.end_step(false);
-  if (!may_gain_by(friction, projection_.displacement_m)) {
+  if (!gains && !is_above_cone) {
     for (int i = 0; i < projection_.active_count; ++i) {
       FaceContact& contact = contacts_[projection_.active[i]];
       contact = tracer_.contact_over(contact.face, proxy_, contact.normal);
@@ -172,8 +175,14 @@ GodObject::Progress GodObject::rests_or_slides_on_faces(Friction& friction) {
     return Progress::kHeld;
   }
   friction = before;
-  const bool slides = tries(friction, [&] { take_step(friction); });
-  return slides ? Progress::kMoved : Progress::kStuck;
+  const Vec3 from = proxy_;
+  take_step(friction);
+  if (proxy_ != from) {
+    friction.end_step(true);
+    return Progress::kMoved;
+  }
+  friction = before;
+  return Progress::kStuck;
 }
 
 // Tries to improve the position of a proxy that planes hold. Returns true if an attempt succeeded.

@@ -632,6 +632,48 @@ TEST(FlushNodes, AreJoinedAlikeWhereverTheirNumbersAre) {
   EXPECT_EQ(positions_of(50), first);
 }
 
+// A row of boxes with divided faces, and one of its seams, along which a point moves on one side.
+class SeamOfBoxes {
+ public:
+  explicit SeamOfBoxes(Random& random) {
+    Layout layout = row(random, false);
+    for (Block& block : layout.blocks) {
+      block.parts = {between(random, 1, 4), between(random, 1, 8), between(random, 1, 8)};
+    }
+    writing_.unit_m = kUnit_m;
+    scene_.emplace(compiled(described(layout, writing_)));
+    const Block& block = layout.blocks[1 + random.index(layout.blocks.size() - 1)];
+    const bool is_on_top = random.index(2) == 0;
+    along_ = is_on_top ? 1 : 2;
+    across_ = is_on_top ? 2 : 1;
+    seam_ = block.low[0];
+    length = block.high[static_cast<std::size_t>(along_)];
+    top_ = block.high[static_cast<std::size_t>(across_)];
+  }
+
+  const ContactWorld& world() const { return scene_->world(); }
+  // The place, solver frame, at this way along the seam, this height above the side, and so far
+  // aside of the seam, all in units of the row.
+  Vec3 at(double way, double height, double aside = 0.0) const {
+    Vec3 p;
+    p[0] = seam_ + aside;
+    p[along_] = way;
+    p[across_] = top_ + height;
+    return world().to_solver(writing_.to_scene(p));
+  }
+
+  static constexpr double kUnit_m = 1.0 / 64;
+  double length = 0.0;  // of the row along the seam
+
+ private:
+  Writing writing_ = exact_writing();
+  std::optional<Scene> scene_;
+  int along_ = 1;
+  int across_ = 2;  // the axis against whose positive side the point presses
+  double seam_ = 0.0;
+  double top_ = 0.0;
+};
+
 // A point whose goal moves exactly along a seam follows it in every tick, whatever edges of either
 // node lie there. Hardly a tick is capped: the search for improvements of the rest fits into the
 // work budget.
@@ -640,36 +682,18 @@ TEST(FlushNodes, LetAPointFollowASeamInEveryTick) {
   std::size_t ticks = 0;
   for (std::uint64_t n = 0; n < in_soak_or_else(2000u, 60u); ++n) {
     Random random(7100 + n);
-    Layout layout = row(random, false);
-    for (Block& block : layout.blocks) {
-      block.parts = {between(random, 1, 4), between(random, 1, 8), between(random, 1, 8)};
-    }
-    Writing writing = exact_writing();
-    writing.unit_m = 1.0 / 64;
-    const Scene scene = compiled(described(layout, writing));
-    const Block& block = layout.blocks[1 + random.index(layout.blocks.size() - 1)];
-    const bool is_on_top = random.index(2) == 0;
-    const int along = is_on_top ? 1 : 2;
-    const int across = is_on_top ? 2 : 1;  // the axis against whose positive side the point presses
-    const double length = block.high[static_cast<std::size_t>(along)];
+    const SeamOfBoxes seam(random);
     const double depth = random.uniform(0.01, 1.0);
-    const double step = length * std::pow(2.0, -random.uniform(4.0, 9.0));
-    const auto at = [&](double way, double height) {
-      Vec3 p;
-      p[0] = block.low[0];
-      p[along] = way;
-      p[across] = block.high[static_cast<std::size_t>(across)] + height;
-      return scene.world().to_solver(writing.to_scene(p));
-    };
-    GodObject god(scene.world(), {});
-    double way = 0.2 * length;
-    god.place(at(way, 1.0));
+    const double step = seam.length * std::pow(2.0, -random.uniform(4.0, 9.0));
+    GodObject god(seam.world(), {});
+    double way = 0.2 * seam.length;
+    god.place(seam.at(way, 1.0));
     for (int tick = 0; tick < 60; ++tick) {
-      if (tick % 6 != 5) way = std::min(way + step, 0.9 * length);  // sometimes the hand waits
-      const ProxyState state = god.move_to(at(way, -depth));
+      if (tick % 6 != 5) way = std::min(way + step, 0.9 * seam.length);  // sometimes the hand waits
+      const ProxyState state = god.move_to(seam.at(way, -depth));
       ++ticks;
       capped += state.capped;
-      const Vec3 off = god.proxy() - at(way, 0.0);
+      const Vec3 off = god.proxy() - seam.at(way, 0.0);
       ASSERT_LE(off.norm(), 8 * god.scale().stand_off_m + 64 * test::kEpsilon) << n << " " << tick;
     }
   }
@@ -677,9 +701,9 @@ TEST(FlushNodes, LetAPointFollowASeamInEveryTick) {
 }
 
 // A point that friction holds, whose goal moves along a seam or within rounding of it, slides with
-// mu_k on one material, whatever edges of either node lie there: an edge bears no part of the lag
-// of a point that is over a face. Where the point meets an edge, its normal may tip for one tick,
-// and the slide then ends a little below the cone.
+// mu_k on one material, at any speed and whatever edges of either node lie there: an edge bears no
+// part of the lag of a point that is over a face. Where the point meets an edge, its normal may tip
+// for one tick, and the slide then ends a little below the cone.
 TEST(FlushNodes, LetAPointSlideAlongASeam) {
   std::size_t capped = 0;
   std::size_t slides = 0;
@@ -687,50 +711,34 @@ TEST(FlushNodes, LetAPointSlideAlongASeam) {
   double least = 1.0;
   for (std::uint64_t n = 0; n < in_soak_or_else(2000u, 100u); ++n) {
     Random random(9100 + n);
-    Layout layout = row(random, false);
-    for (Block& block : layout.blocks) {
-      block.parts = {between(random, 1, 4), between(random, 1, 8), between(random, 1, 8)};
-    }
-    Writing writing = exact_writing();
-    writing.unit_m = 1.0 / 64;
-    const Scene scene = compiled(described(layout, writing));
-    const Block& block = layout.blocks[1 + random.index(layout.blocks.size() - 1)];
-    const bool is_on_top = random.index(2) == 0;
-    const int along = is_on_top ? 1 : 2;
-    const int across = is_on_top ? 2 : 1;
-    const double length = block.high[static_cast<std::size_t>(along)];
-    const double top = block.high[static_cast<std::size_t>(across)];
+    const SeamOfBoxes seam(random);
     const double mu_k = random.uniform(0.05, 1.0);
     const double mu_s = mu_k * random.uniform(1.0, 1.5);
-    const double depth = random.uniform(0.01, 0.2) * length;
-    const double step = length * std::pow(2.0, -random.uniform(5.0, 9.0));
+    const double depth = random.uniform(0.01, 0.2) * seam.length;
+    const double step = seam.length * std::pow(2.0, -random.uniform(5.0, 9.0));
     const double beside = random.index(2) == 0 ? 0.0 : std::pow(10.0, random.uniform(-16.0, -6.0));
-    const auto at = [&](double way, double height, double aside) {
-      Vec3 p;
-      p[0] = block.low[0] + aside;
-      p[along] = way;
-      p[across] = top + height;
-      return scene.world().to_solver(writing.to_scene(p));
-    };
-    GodObject god(scene.world(), {});
+    const bool is_slow = n % 3 == 0;  // once it slides, the hand may crawl
+    GodObject god(seam.world(), {});
     test::SameCone cone({mu_s, mu_k});
-    const Vec3 out = (at(0.1 * length, 1.0, 0.0) - at(0.1 * length, 0.0, 0.0)).normalized();
-    god.place(at(0.1 * length, 0.01, 0.0));
-    double way = 0.1 * length;
+    double way = 0.1 * seam.length;
+    const Vec3 out = (seam.at(way, 1.0) - seam.at(way, 0.0)).normalized();
+    god.place(seam.at(way, 0.01));
     double pulled = 0.0;
-    for (int tick = 0; tick < 80 && way + step < 0.9 * length; ++tick) {
-      const Vec3 goal = at(way, -depth, random.index(2) == 0 ? beside : -beside);
+    for (int tick = 0; tick < 80 && way + step < 0.9 * seam.length; ++tick) {
+      const Vec3 goal = seam.at(way, -depth, random.index(2) == 0 ? beside : -beside);
       const ProxyState state = god.move_with_friction(goal, std::nullopt, {cone, 0.0});
       capped += state.capped;
-      way += step;
-      pulled += step;
+      const bool crawls = is_slow && pulled > (mu_s + 0.1) * depth + 2 * step;
+      const double moved = crawls ? step * std::pow(2.0, -random.uniform(0.0, 34.0)) : step;
+      way += moved;
+      pulled += moved;
       if (tick == 0 || state.capped || pulled < (mu_s + 0.1) * depth + 2 * step) continue;
       ++slides;
       const Vec3 lag = god.proxy() - goal;
       const double depth_m = lag.dot(out);
       const double ratio = (lag - depth_m * out).norm() / depth_m;
       // The proxy keeps its height to within a stand-off, and the goal swings by twice `beside`.
-      const double off_m = god.scale().stand_off_m + 2 * beside * writing.unit_m;
+      const double off_m = god.scale().stand_off_m + 2 * beside * SeamOfBoxes::kUnit_m;
       const double tolerance = 1e-9 + 2 * off_m / depth_m;
       ASSERT_LE(ratio, mu_k + tolerance) << n << " " << tick << " " << beside;
       sticks += ratio < mu_k - tolerance;
