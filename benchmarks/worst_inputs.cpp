@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "geometry/base/decompositions.h"
 #include "geometry/base/random.h"
 #include "geometry/mesh/surface_mesh.h"
 #include "models/primitives.h"
@@ -183,7 +184,7 @@ WorstInput instances_at_one_point(std::size_t count, double radius_m, bool is_st
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 upward = (random.unit_vector() + 1.2 * Vec3::UnitZ()).normalized();
     const Quat rotation =
-        Quat::FromTwoVectors(corner_m, upward) *
+        turn_between(corner_m, upward) *
         Quat(Eigen::AngleAxisd(random.uniform(0.0, kTwoPi), corner_m.normalized()));
     Vec3 top_m = corner_m;
     if (is_stretched) {

@@ -3,6 +3,8 @@
 #include <numbers>
 #include <utility>
 
+#include "geometry/base/decompositions.h"
+
 namespace palpate {
 namespace {
 
@@ -13,7 +15,7 @@ constexpr double kOffDiagonal_m = kSheetSize_m / 6.0;
 RigidTransform facing(const Vec3& normal, SeededRandom& random) {
   const double turn_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
   const Quat turn(Eigen::AngleAxisd(turn_rad, normal));
-  const Quat upright = Quat::FromTwoVectors(Vec3::UnitZ(), normal);
+  const Quat upright = turn_between(Vec3::UnitZ(), normal);
   return {(turn * upright).normalized(), random.in_box(0.5 * kSheetSize_m)};
 }
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include <Eigen/SVD>
+#include "geometry/base/decompositions.h"
 
 namespace palpate {
 namespace {
@@ -24,15 +24,15 @@ NodePlacement split_diagonal(const Vec3& diagonal) {
 
 std::optional<NodePlacement> split_linear(const Mat3& linear) {
   if (!linear.allFinite()) return std::nullopt;
-  const Eigen::JacobiSVD<Mat3> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vec3 scales = svd.singularValues();
+  const SingularValueDecomposition svd = decompose(linear);
+  const Vec3& scales = svd.values;
   if (scales[2] <= 16 * std::numeric_limits<double>::epsilon() * scales[0]) return std::nullopt;
   const bool is_diagonal = Mat3(linear.diagonal().asDiagonal()) == linear;
   if (is_diagonal) return split_diagonal(linear.diagonal());
   // R must be a proper rotation, so a mirror remains in S. S is then the negative of a positive
   // definite matrix. This factor is unique; therefore instances with equal mirrored scales have
   // equal factors S.
-  const Mat3 orthogonal = svd.matrixU() * svd.matrixV().transpose();
+  const Mat3 orthogonal = svd.u * svd.v.transpose();
   const Mat3 rotation = orthogonal.determinant() < 0.0 ? Mat3(-orthogonal) : orthogonal;
   const Quat q(Quat(rotation).normalized());
   const Mat3 deformation = q.conjugate().toRotationMatrix() * linear;

@@ -6,11 +6,10 @@
 #include <string_view>
 #include <utility>
 
-#include <Eigen/SVD>
-
 #include "engine/scene/entry_parameters.h"
 #include "engine/scene/merged_report.h"
 #include "engine/scene/scene_effects.h"
+#include "geometry/base/decompositions.h"
 #include "geometry/index/inside.h"
 #include "haptics/effects/gravity.h"
 #include "haptics/effects/magnet.h"
@@ -35,7 +34,7 @@ AffineMap map_index_solver(const EffectSurface& surface) {
 }
 
 double largest_stretch(const Mat3& linear) {
-  return Eigen::JacobiSVD<Mat3>(linear).singularValues()[0];
+  return singular_values(linear)[0];
 }
 
 }  // namespace

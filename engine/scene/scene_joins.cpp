@@ -9,10 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/SVD>
-
 #include "engine/scene/memory_budget.h"
 #include "engine/scene/scene.h"
+#include "geometry/base/decompositions.h"
 #include "geometry/base/parallel.h"
 #include "geometry/mesh/boundary_joins.h"
 
@@ -67,8 +66,7 @@ std::vector<GapLimit> gap_limits(std::size_t meshes, const std::vector<NodeDescr
     if ((own - metric(limit.linear)).norm() > kSameMetric * own.norm()) {
       is_alike[node.mesh] = false;
     }
-    stretch[node.mesh] = std::max(
-        stretch[node.mesh], Eigen::JacobiSVD<Mat3>(node.linear_scene_mesh).singularValues()[0]);
+    stretch[node.mesh] = std::max(stretch[node.mesh], singular_values(node.linear_scene_mesh)[0]);
   }
   for (std::size_t i = 0; i < meshes; ++i) {
     if (!is_alike[i]) limits[i].linear = stretch[i] * Mat3::Identity();

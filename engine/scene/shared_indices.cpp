@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/SVD>
+#include "geometry/base/decompositions.h"
 
 namespace palpate {
 namespace {
@@ -63,7 +63,7 @@ double uniform_scale(const Mat3& deformation) {
 }
 
 bool is_within_ratio(const Mat3& unit) {
-  const Vec3 stretches = Eigen::JacobiSVD<Mat3>(unit).singularValues();
+  const Vec3 stretches = singular_values(unit);
   return stretches[0] <= Stretch::kMostRatio * kSlack * stretches[2];
 }
 

@@ -5,9 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/SVD>
-
 #include "engine/scene/material_parameters.h"
+#include "geometry/base/decompositions.h"
 
 namespace palpate {
 namespace {
@@ -154,8 +153,7 @@ Result<Vec3> read_extent(Declaration& declaration, bool is_box, const MaterialPa
 std::optional<Error> place(const RegionDescription& node, const Vec3& anchor_scene_m,
                            const Declaration& declaration, const MaterialParameter& medium,
                            MediumRegion& region) {
-  const Eigen::JacobiSVD<Mat3> svd(node.linear_scene_node);
-  const Vec3 scales = svd.singularValues();
+  const Vec3 scales = singular_values(node.linear_scene_node);
   const bool is_singular = !node.linear_scene_node.allFinite() || !node.translation_m.allFinite() ||
                            !(scales[2] > 16 * std::numeric_limits<double>::epsilon() * scales[0]);
   if (is_singular) {

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/SVD>
-
+#include "geometry/base/decompositions.h"
 #include "geometry/exact/exact.h"
 #include "geometry/exact/orientation.h"
 #include "geometry/index/pack_queries.h"
@@ -58,11 +57,10 @@ Stretch::Stretch(const Mat3& linear_body_index, const Box& box_index)
     : linear_body_index_(linear_body_index),
       mean_metres_(linear_body_index.norm() / std::sqrt(3.0)),
       is_mirrored_(linear_body_index.determinant() < 0.0) {
-  const Eigen::JacobiSVD<Mat3> svd(linear_body_index, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vec3 stretches = svd.singularValues();
-  const Vec3 inverse = stretches.cwiseInverse();
-  const Mat3 scaled = inverse.asDiagonal() * svd.matrixU().transpose();
-  linear_index_body_ = svd.matrixV() * scaled;
+  const SingularValueDecomposition svd = decompose(linear_body_index);
+  const Vec3 inverse = svd.values.cwiseInverse();
+  const Mat3 scaled = inverse.asDiagonal() * svd.u.transpose();
+  linear_index_body_ = svd.v * scaled;
   most_per_metre_ = kSlack * inverse[2];
   const Mat3 magnitude = linear_body_index_.cwiseAbs() * linear_index_body_.cwiseAbs();
   const Mat3 off = linear_body_index_ * linear_index_body_ - Mat3::Identity();

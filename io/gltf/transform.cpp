@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/SVD>
-
+#include "geometry/base/decompositions.h"
 #include "io/gltf/error.h"
 #include "io/gltf/limits.h"
 #include "io/gltf/tinygltf.h"
@@ -103,7 +102,7 @@ bool is_singular(const Mat3& linear) {
   }
   // Each entry is a sum of three products and has been rounded a few times.
   constexpr double kNoise = 16.0 * std::numeric_limits<double>::epsilon();
-  const Vec3 stretch = Eigen::JacobiSVD<Mat3>(scaled).singularValues();  // descending
+  const Vec3 stretch = singular_values(scaled);
   return !(stretch[2] > kNoise * stretch[0]);
 }
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/base/decompositions.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/random.h"
@@ -39,7 +40,7 @@ HapticSettings settings(bool a4, double damping = 0.0) {
 // A plane through the origin, 2 m wide. Its front faces +A1 turned by `angle` towards `towards`.
 RigidTransform tilted(double angle_rad, const Vec3& towards = Vec3::UnitY()) {
   const Vec3 normal = std::cos(angle_rad) * Vec3::UnitX() + std::sin(angle_rad) * towards;
-  return {Quat::FromTwoVectors(Vec3::UnitZ(), normal), Vec3::Zero()};
+  return {turn_between(Vec3::UnitZ(), normal), Vec3::Zero()};
 }
 
 Soup square_plane() {

@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/base/decompositions.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/random.h"
 
@@ -197,9 +198,7 @@ TEST(SafetyGovernor, ASaturatedMotorKeepsTheDirectionOfTheForce) {
     rig.run_in();
     const Vec3 force_N = rig.push(wanted_N, 20);
     // The rounding of an effort grows with the condition of the directions.
-    const double smallest =
-        Eigen::JacobiSVD<Eigen::MatrixXd>(directions.leftCols(device.motor_count))
-            .singularValues()[device.motor_count - 1];
+    const double smallest = singular_values(directions)[device.motor_count - 1];
     const double tolerance_N =
         1e3 * std::numeric_limits<double>::epsilon() * 10.0 / smallest / smallest;
     EXPECT_LE((force_N - wanted_N / overload).norm(), tolerance_N) << n;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine/simulation/mass_damper.h"
+#include "geometry/base/decompositions.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/hard_case_proxy.h"
@@ -34,7 +35,7 @@ inline HapticSettings settings(double stiffness_N_per_m, double damping_Ns_per_m
 // The angle of rotation about the normal is random.
 inline RigidTransform facing(const Vec3& normal, const Vec3& at_m, Random& random) {
   const Quat turn(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), normal));
-  return {(turn * Quat::FromTwoVectors(Vec3::UnitZ(), normal)).normalized(), at_m};
+  return {(turn * turn_between(Vec3::UnitZ(), normal)).normalized(), at_m};
 }
 
 struct HardDevice {

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/base/decompositions.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/hard_case_shapes.h"
@@ -73,7 +74,7 @@ class Approach {
     across = (across - across.dot(a1) * a1).normalized();
     const Vec3 normal = std::cos(angle_rad) * a1 + std::sin(angle_rad) * across;
     HapticSettings placed = settings;
-    placed.initial_pose.rotation = Quat::FromTwoVectors(Vec3::UnitZ(), normal).normalized();
+    placed.initial_pose.rotation = turn_between(Vec3::UnitZ(), normal).normalized();
     placed.initial_pose.translation_m =
         device.is_planar() ? Vec3(Vec3::Zero()) : random.in_box(0.02);
     loop_.emplace(world_.world(), device, placed);
@@ -148,7 +149,7 @@ TEST(Anticipation, TurnsIntoThePlaneOfTwoMotors) {
   HapticSettings settings = anticipating();
   // The normal is 60 deg from the plane of A1 and A2.
   const Vec3 normal(std::cos(60 * kDeg), 0.0, std::sin(60 * kDeg));
-  settings.initial_pose.rotation = Quat::FromTwoVectors(Vec3::UnitZ(), normal).normalized();
+  settings.initial_pose.rotation = turn_between(Vec3::UnitZ(), normal).normalized();
   HapticLoop loop(world.world(), device(3, 2), settings);
   const auto shown = [&] { return loop.T_device_scene().direction(Vec3::UnitZ()); };
   Vec3 at_m = 0.025 * shown();

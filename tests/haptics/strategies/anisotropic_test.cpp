@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/base/decompositions.h"
 #include "haptics/check_settings.h"
 #include "haptics/effects/damping.h"
 #include "haptics/effects/stiffness.h"
@@ -44,7 +45,7 @@ HapticSettings anisotropic_settings(double anisotropy) {
 // A rotation that maps z to a direction.
 Quat z_to(const Vec3& normal, Random& random) {
   const Quat turn(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), normal));
-  return (turn * Quat::FromTwoVectors(Vec3::UnitZ(), normal)).normalized();
+  return (turn * turn_between(Vec3::UnitZ(), normal)).normalized();
 }
 
 // A device with one or two motors in random directions.

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/base/decompositions.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/hard_case_shapes.h"
@@ -45,7 +46,7 @@ PressWork press_and_release(double angle_rad, double depth_m, int steps) {
   const Vec3 normal(std::cos(angle_rad), std::sin(angle_rad), 0.0);
   const OwnedWorld world(test::sheet_soup(0.2, 0.2));
   HapticSettings settings = cd_settings();
-  settings.initial_pose.rotation = Quat::FromTwoVectors(Vec3::UnitZ(), normal).normalized();
+  settings.initial_pose.rotation = turn_between(Vec3::UnitZ(), normal).normalized();
   HapticLoop loop(world.world(), *ActuationModel::from_counts(3, 1), settings);
   PressWork work;
   Vec3 last_m = Vec3(1e-9, 0.0, 0.0);
