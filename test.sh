@@ -47,7 +47,7 @@ fuzz_recording() {
 preset=${PRESET:-release}
 if [ "$preset" = fuzz ]; then
   install_missing_packages "${palpate_fuzz_packages[@]}"
-  build_preset fuzz fuzz_gltf fuzz_hapi_link fuzz_page fuzz_recording make_fuzz_seeds
+  build_preset fuzz "${palpate_fuzz_targets[@]}"
   for target in ${PALPATE_FUZZ_TARGET:-gltf hapi_link page recording}; do
     "fuzz_$target" "$@"
   done
