@@ -144,7 +144,7 @@ build_preset() {
   if cmake --build "$build" "${target_flags[@]}" -- -n 2>/dev/null | grep -q 'no work to do'; then
     return 0
   fi
-  say "building $preset (five to ten minutes the first time)"
+  say "building $preset (up to half an hour on two cores the first time)"
   if [ -t 2 ]; then  # ninja shows its progress in one line, and prints errors
     cmake --build "$build" "${target_flags[@]}" >&2
     return
