@@ -324,7 +324,7 @@ class RandomClip {
 };
 
 TEST(GltfKeyframes, PoseNodesMorphTargetsAndJointsByTheFormulasOfTheSpecification) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PALPATE_SANITIZED
   constexpr int kRounds = 5;  // each takes 2 s there
 #else
   constexpr int kRounds = 30;
