@@ -84,7 +84,7 @@ nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const Device
   json["scale"] = prepared.scene.statistics().scale;
   json["work_budget"] = work_budget_json(prepared.setup);
   if (!recordings.empty()) json["recordings"] = recording_json(recordings);
-  json["runs"] = {run_json(shown, prepared.scene)};
+  json["runs"] = nlohmann::ordered_json::array({run_json(shown, prepared.scene)});
   json["runs"][0]["reached_timing"] = reached_timing_json(prepared.setup, run.tick_times);
   json["runs"][0]["reached_timing_ends_at"] = "driver";  // without the line to the device
   return json;

@@ -339,7 +339,7 @@ TEST(GltfTextures, HaveABoundedNumberOfMaps) {
   Json material = {{"custom", maps}, {"stiffness", maps}};
   bind_haptic(asset, material);
   EXPECT_EQ(read_glb(asset).haptic_materials.at(0).maps.size(), kMaxGltfHapticMaps);
-  material["vibration"] = {haptic_map({{"index", 0}})};
+  material["vibration"] = Json::array({haptic_map({{"index", 0}})});
   bind_haptic(asset, material);
   expect_refused(asset, ErrorCode::kLimitExceeded,
                  "/extensions/MPEG_haptic_material/materials/0/custom");
