@@ -2,8 +2,7 @@
 
 // Seeded random numbers: one seed gives the same numbers on every platform. The distributions of
 // the standard library differ between platforms, so the functions here use the bits of a standard
-// engine directly. Compilers evaluate the arguments of a call in different orders: where results are
-// compared with recorded ones, each number is drawn in a statement of its own.
+// engine directly.
 
 #include <cmath>
 #include <cstdint>
