@@ -12,7 +12,7 @@ palpate_packages=(
   gnuplot-nox python3 valgrind
 )
 
-palpate_clang_packages=(clang libclang-rt-dev)  # only for the presets asan and tsan
+palpate_fuzz_packages=(clang libclang-rt-dev)  # only for the preset fuzz
 palpate_fuzz_targets=(fuzz_gltf fuzz_hapi_link fuzz_page fuzz_recording make_fuzz_seeds)
 
 palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens the report

@@ -18,7 +18,7 @@ using Entry = FakeBoardTerminal::Entry;
 
 constexpr std::uint64_t kZerosBeforeForce = 50;  // of guarded_engine after a trip
 
-#ifdef PALPATE_SANITIZED
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr int kSchedules = 10;
 #else
 constexpr int kSchedules = 50;

@@ -261,7 +261,7 @@ bool has_force(const Schedule& schedule, std::int64_t from_ns, std::int64_t to_n
 }
 
 // AddressSanitizer makes a schedule five times slower.
-#ifdef PALPATE_SANITIZED
+#ifdef __SANITIZE_ADDRESS__
 constexpr std::uint64_t kSchedules = 200;
 #else
 constexpr std::uint64_t kSchedules = 1'000;

@@ -41,6 +41,14 @@
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define PALPATE_TEST_IS_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define PALPATE_TEST_IS_SANITIZED 1
+#endif
+#endif
+
 namespace {
 
 std::atomic<bool> g_counting{false};
@@ -59,7 +67,7 @@ void count(std::atomic<std::uint64_t>& counter) noexcept {
 
 }  // namespace
 
-#ifndef PALPATE_SANITIZED
+#ifndef PALPATE_TEST_IS_SANITIZED
 
 extern "C" {
 
@@ -125,7 +133,7 @@ int pthread_rwlock_wrlock(pthread_rwlock_t* lock) noexcept {
 
 }  // extern "C"
 
-#endif  // PALPATE_SANITIZED
+#endif  // PALPATE_TEST_IS_SANITIZED
 
 // Without a sanitizer these count twice, here and in malloc(): what is asked is whether any came.
 void* operator new(std::size_t size) {
@@ -245,7 +253,7 @@ TEST(Census, SeesAllocationsByOperatorNew) {
   expect_seen([] { keep(std::string(100, 'x').data()); });
 }
 
-#ifndef PALPATE_SANITIZED
+#ifndef PALPATE_TEST_IS_SANITIZED
 
 TEST(Census, SeesAllocationsByMalloc) {
   const auto expect_seen = [](auto action) {

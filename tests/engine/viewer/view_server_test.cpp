@@ -483,7 +483,7 @@ TEST(ViewAttack, SlowReaderDelaysNobodyAndQueuesNothing) {
   std::uint64_t last = 0;
   for (int i = 0; i < 600; ++i) last = tick_of(fast.read_binary(1));
     // A sanitizer keeps memory that was freed.
-#ifndef PALPATE_SANITIZED
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   constexpr std::size_t kAllowed = 16u << 20;  // the buffers of this test and of the allocator
   EXPECT_LT(resident_bytes(), before + kAllowed);
 #else

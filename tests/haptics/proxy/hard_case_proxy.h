@@ -20,9 +20,9 @@
 
 namespace palpate::test {
 
-// Sanitizers make a tick up to twenty times slower. If one is used, the number of trials of heavy
-// cases is divided by this number.
-#ifdef PALPATE_SANITIZED
+// AddressSanitizer makes a tick up to twenty times slower. If it is used, the number of trials of
+// heavy cases is divided by this number.
+#ifdef __SANITIZE_ADDRESS__
 inline constexpr int kSanitizerDivisor = 20;
 #else
 inline constexpr int kSanitizerDivisor = 1;

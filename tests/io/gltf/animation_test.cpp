@@ -324,7 +324,7 @@ class RandomClip {
 };
 
 TEST(GltfKeyframes, PoseNodesMorphTargetsAndJointsByTheFormulasOfTheSpecification) {
-#ifdef PALPATE_SANITIZED
+#ifdef __SANITIZE_ADDRESS__
   constexpr int kRounds = 5;  // each takes 2 s there
 #else
   constexpr int kRounds = 30;
