@@ -146,14 +146,15 @@ build_preset() {
   fi
   say "building $preset (up to half an hour on two cores the first time)"
   if [ -t 2 ]; then  # ninja shows its progress in one line, and prints errors
-    cmake --build "$build" "${target_flags[@]}" >&2
+    cmake --build "$build" --parallel "$(nproc)" "${target_flags[@]}" >&2
     return
   fi
   local log
   log=$(mktemp)
   if ! (
     set -o pipefail
-    NINJA_STATUS='[%f/%t] ' cmake --build "$build" "${target_flags[@]}" 2>&1 |
+    # Ninja alone starts two compilers more than cores, which takes 5 % more time of the cores.
+    NINJA_STATUS='[%f/%t] ' cmake --build "$build" --parallel "$(nproc)" "${target_flags[@]}" 2>&1 |
       report_progress "building $preset" "$log"
   ); then
     cat "$log" >&2
