@@ -103,8 +103,6 @@ void visit(WorstInput& input, const Visit& visit) {
   input.away_m = 2.0 * visit.from_m - visit.to_m;
 }
 
-// The numbers of a scene are drawn in statements of their own, because compilers evaluate the
-// arguments of a call in different orders, and results are compared with recorded ones.
 WorstInput all_through_one_point(std::size_t count, double radius_m) {
   SeededRandom random(1);
   Soup soup;
@@ -190,8 +188,8 @@ WorstInput instances_at_one_point(std::size_t count, double radius_m, bool is_st
         Quat(Eigen::AngleAxisd(random.uniform(0.0, kTwoPi), corner_m.normalized()));
     Vec3 top_m = corner_m;
     if (is_stretched) {
-      Vec3 factors;
-      for (const int axis : {2, 1, 0}) factors[axis] = random.uniform(0.5, 2.0);
+      const Vec3 factors(random.uniform(0.5, 2.0), random.uniform(0.5, 2.0),
+                         random.uniform(0.5, 2.0));
       input.stretches->emplace_back(factors.asDiagonal(), index->box());
       top_m = factors.cwiseProduct(corner_m);
     }
@@ -211,9 +209,7 @@ WorstInput dense_soup(std::size_t count, double radius_m) {
   Soup soup;
   for (std::size_t i = 0; i < count; ++i) {
     const double half_m = 0.5 * kSize_m;
-    const Vec3 c = random.in_box(half_m);
-    const Vec3 b = random.in_box(half_m);
-    soup.add(random.in_box(half_m), b, c);
+    soup.add(random.in_box(half_m), random.in_box(half_m), random.in_box(half_m));
   }
   WorstInput input = input_of("dense_soup", soup, radius_m);
   visit(input, {{0.01, 0.0, 0.6 * kSize_m}, {0.01, 0.0, 0.0}, 1e-3, 0.02});
@@ -285,9 +281,8 @@ WorstInput start_in_a_cluster(std::size_t count, double radius_m) {
   const double half_m = 1e-6 * kSize_m;
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 middle = random.in_box(half_m);
-    const Vec3 c = middle + random.in_box(0.1 * half_m);
-    const Vec3 b = middle + random.in_box(0.1 * half_m);
-    soup.add(middle + random.in_box(0.1 * half_m), b, c);
+    soup.add(middle + random.in_box(0.1 * half_m), middle + random.in_box(0.1 * half_m),
+             middle + random.in_box(0.1 * half_m));
   }
   soup.add({0.5 * kSize_m, 0.0, -0.1}, {-0.5 * kSize_m, 0.4 * kSize_m, -0.1},
            {-0.5 * kSize_m, -0.4 * kSize_m, -0.1});

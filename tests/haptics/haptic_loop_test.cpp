@@ -111,8 +111,7 @@ TEST_P(EnergyCertificate, HoldsEveryTick) {
   Vec3 at_m(0.12, 0.0, 0.0);
   TickRecord last = loop.tick(at_m, kDt);
   int contact_ticks = 0;
-  constexpr int kTicks = 70'000;
-  for (int n = 0; n < kTicks; ++n) {
+  for (int n = 0; n < 70000; ++n) {
     at_m = wander(random, at_m);
     const TickRecord now = loop.tick(at_m, kDt);
     const Vec3 dx = vec3(now.goal_scene_m) - vec3(last.goal_scene_m);
@@ -128,7 +127,7 @@ TEST_P(EnergyCertificate, HoldsEveryTick) {
     contact_ticks += now.contact;
     last = now;
   }
-  EXPECT_GT(contact_ticks, kTicks / 20);
+  EXPECT_GT(contact_ticks, 5000);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -193,10 +193,8 @@ TEST(SharedCells, IncludeAllPointsNearOtherOwnersAndFewOthers) {
   int named = 0;
   int expected = 0;
   for (const auto& [p, owner] : points) {
-    const auto& point = p;  // C++20 allows a structured binding in a lambda, clang 14 does not
-    const std::uint32_t own = owner;
     const bool is_met = std::any_of(points.begin(), points.end(), [&](const auto& other) {
-      return other.second != own && (other.first - point).norm() <= kNear_m;
+      return other.second != owner && (other.first - p).norm() <= kNear_m;
     });
     EXPECT_TRUE(cells.is_shared(p) || !is_met);
     named += cells.is_shared(p) ? 1 : 0;
