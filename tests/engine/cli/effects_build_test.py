@@ -21,7 +21,7 @@ import tempfile
 # Relative difference of a tick's instructions; the layout of the linker causes a small one.
 LARGEST_DIFFERENCE = 1e-3
 
-TICKS = 3000
+TICKS = 1000
 
 # Scenes without any effect, and scenes with effects other than friction.
 NO_EFFECTS = ["star.glb", "torus.glb", "thin_plate.glb"]

@@ -174,7 +174,7 @@ def check_runs(palpate, models, folder, generator, options):
 def check_second_signals(palpate, models, folder, generator):
     """A second signal ends the program at once; the next run removes its leftovers."""
     command = [palpate, "run", models / "star.glb", "--json", "--out", "out", "--virtual",
-               "--seconds", "60"]
+               "--seconds", "30"]
     out = folder / "out"
     prepare(out)
     whole_s = seconds_of(command, folder)
@@ -297,7 +297,7 @@ def main():
     try:
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
-            check_runs(palpate, models, folder, generator, ["--virtual", "--seconds", "60"])
+            check_runs(palpate, models, folder, generator, ["--virtual", "--seconds", "30"])
             check_runs(palpate, models, folder, generator,
                        ["--virtual", "--seconds", "20", "--sensors", "3", "--actuators", "2"])
             check_runs(palpate, models, folder, generator, ["--seconds", "2"])

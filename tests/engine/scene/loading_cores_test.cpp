@@ -96,10 +96,10 @@ TEST_F(Cores, PassErrorsOfEveryThreadToTheCaller) {
 // A mesh with all defects that cleaning handles: repeated positions, also with negative zeros,
 // unused positions, triangles without area, repeated triangles, and edges with many faces of either
 // orientation.
-Soup lattice_soup(test::Random& random) {
+Soup lattice_soup(test::Random& random, int positions) {
   Soup soup;
   constexpr std::uint64_t kSide = 30;
-  for (int i = 0; i < 90000; ++i) {
+  for (int i = 0; i < positions; ++i) {
     Vec3 p;
     for (int k = 0; k < 3; ++k) {
       p[k] = static_cast<double>(random.index(kSide)) - 10.0;
@@ -107,8 +107,8 @@ Soup lattice_soup(test::Random& random) {
     }
     soup.positions.push_back(p);
   }
-  for (int i = 0; i < 150000; ++i) {
-    const auto first = static_cast<std::uint32_t>(random.index(80000));
+  for (int i = 0; i < positions * 5 / 3; ++i) {
+    const auto first = static_cast<std::uint32_t>(random.index(positions - 8));
     soup.triangles.push_back({first, first + 1 + static_cast<std::uint32_t>(random.index(3)),
                               first + static_cast<std::uint32_t>(random.index(6))});
     if (random.index(10) == 0) soup.triangles.push_back(soup.triangles[random.index(i + 1)]);
@@ -116,8 +116,8 @@ Soup lattice_soup(test::Random& random) {
   return soup;
 }
 
-Soup sphere() {
-  const TriangleMesh mesh = icosphere(7, 0.1);
+Soup sphere(int level) {
+  const TriangleMesh mesh = icosphere(level, 0.1);
   return {mesh.positions_m, mesh.triangles};
 }
 
@@ -221,7 +221,7 @@ class Made {
 
 TEST_F(Cores, LoadASoupWithEqualResultsForAnyNumber) {
   test::Random random(7202);
-  for (const Soup& soup : {lattice_soup(random), sphere()}) {
+  for (const Soup& soup : {lattice_soup(random, 90'000), sphere(7)}) {
     assume_cores(1);
     const Made alone(soup);
     for (const std::size_t cores : kCoreCounts) {
@@ -250,7 +250,7 @@ SceneDescription scene_of(const std::vector<Soup>& soups) {
 // Large meshes and small ones, each with its index.
 TEST_F(Cores, CompileASceneWithEqualResultsForAnyNumber) {
   test::Random random(7203);
-  std::vector<Soup> soups = {lattice_soup(random), sphere()};
+  std::vector<Soup> soups = {lattice_soup(random, 9'000), sphere(6)};
   for (int i = 0; i < 40; ++i) {
     const TriangleMesh small = icosphere(1 + static_cast<int>(random.index(3)), 0.1);
     soups.push_back({small.positions_m, small.triangles});

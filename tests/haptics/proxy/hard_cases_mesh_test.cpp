@@ -227,7 +227,7 @@ TEST_P(HardCase07_BadTriangles, BehaveLikeAFlatSquare) {
   const double radius = GetParam();
   constexpr int kTicksOnASquare = 20;
   Random random(110);
-  for (int n = 0; n < trials(30); ++n) {
+  for (int n = 0; n < trials(12); ++n) {
     const RigidTransform pose = random.pose(0.5);
     const OwnedWorld world(posed(bad_square(random), pose), {}, radius);
     JudgedProxy proxy(world, radius);

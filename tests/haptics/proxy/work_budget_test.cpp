@@ -27,10 +27,15 @@ using bench::WorstInput;
 using bench::WorstKind;
 using test::kNoBudget;
 
-struct BudgetRun {
-  std::vector<ProxyState> states;
-  std::vector<std::size_t> held;  // number of bodies held back in each tick
+struct BudgetTick {
+  std::size_t held;  // number of bodies held back
+  ProxyState state;
 };
+
+BudgetTick next_tick(GodObject& god_object, const WorstInput& input, std::size_t tick) {
+  const std::size_t held = input.motions.empty() ? 0 : god_object.move_bodies(input.motions[tick]);
+  return {held, god_object.move_to(input.goals_m[tick])};
+}
 
 GodObject god_object_of(const WorstInput& input, WorkUnits budget, bool reuse_candidates = true) {
   GodObjectSettings settings{input.proxy_radius_m, test::with_budget({}, budget)};
@@ -40,12 +45,11 @@ GodObject god_object_of(const WorstInput& input, WorkUnits budget, bool reuse_ca
   return god_object;
 }
 
-BudgetRun run_input(const WorstInput& input, WorkUnits budget, bool reuse_candidates = true) {
-  GodObject god_object = god_object_of(input, budget, reuse_candidates);
-  BudgetRun run;
+std::vector<BudgetTick> run_input(const WorstInput& input, WorkUnits budget) {
+  GodObject god_object = god_object_of(input, budget);
+  std::vector<BudgetTick> run;
   for (std::size_t i = 0; i < input.goals_m.size(); ++i) {
-    run.held.push_back(input.motions.empty() ? 0 : god_object.move_bodies(input.motions[i]));
-    run.states.push_back(god_object.move_to(input.goals_m[i]));
+    run.push_back(next_tick(god_object, input, i));
   }
   return run;
 }
@@ -76,9 +80,8 @@ constexpr WorkUnits kMostBeyond =
 TEST_P(WorkBudget, LimitsTheWorkOfEachTick) {
   ASSERT_EQ(input_.goals_m.size(), GetParam().ticks);
   const WorkUnits budget = Accuracy::balanced().work_budget;
-  const BudgetRun run = run_input(input_, budget);
   WorkUnits most = 0;
-  for (const ProxyState& state : run.states) most = std::max(most, state.work);
+  for (const BudgetTick& tick : run_input(input_, budget)) most = std::max(most, tick.state.work);
   EXPECT_LE(most, budget + kMostBeyond);
 }
 
@@ -99,13 +102,15 @@ TEST_P(WorkBudget, NeverMovesTheProxyAwayFromTheGoal) {
 
 TEST_P(WorkBudget, DoesNotChangeTheBitsOfTicksBeforeTheFirstThatRunsOut) {
   for (const bool reuse_candidates : {true, false}) {
-    const BudgetRun without = run_input(input_, kNoBudget, reuse_candidates);
     for (const WorkUnits budget : {500, 5000, 50000}) {
-      const BudgetRun with = run_input(input_, budget, reuse_candidates);
-      for (std::size_t i = 0; i < with.states.size(); ++i) {
-        if (without.states[i].work >= budget / 2) break;  // pushes may use half of the budget
-        ASSERT_EQ(with.held[i], without.held[i]) << "tick " << i;
-        ASSERT_TRUE(is_same(with.states[i], without.states[i])) << "tick " << i;
+      GodObject without = god_object_of(input_, kNoBudget, reuse_candidates);
+      GodObject with = god_object_of(input_, budget, reuse_candidates);
+      for (std::size_t i = 0; i < input_.goals_m.size(); ++i) {
+        const BudgetTick expected = next_tick(without, input_, i);
+        if (expected.state.work >= budget / 2) break;  // pushes may use half of the budget
+        const BudgetTick tick = next_tick(with, input_, i);
+        ASSERT_EQ(tick.held, expected.held) << "tick " << i;
+        ASSERT_TRUE(is_same(tick.state, expected.state)) << "tick " << i;
       }
     }
   }
@@ -114,13 +119,13 @@ TEST_P(WorkBudget, DoesNotChangeTheBitsOfTicksBeforeTheFirstThatRunsOut) {
 TEST_P(WorkBudget, GivesTheSameBitsWithEachInstructionSet) {
   for (const WorkUnits budget : {300, 4000}) {
     limit_simd_level(SimdLevel::kAvx512);
-    const BudgetRun widest = run_input(input_, budget);
+    const std::vector<BudgetTick> widest = run_input(input_, budget);
     for (const SimdLevel level : {SimdLevel::kAvx2, SimdLevel::kBaseline}) {
       limit_simd_level(level);
-      const BudgetRun run = run_input(input_, budget);
-      EXPECT_EQ(run.held, widest.held);
-      for (std::size_t i = 0; i < run.states.size(); ++i) {
-        ASSERT_TRUE(is_same(run.states[i], widest.states[i])) << "tick " << i;
+      const std::vector<BudgetTick> run = run_input(input_, budget);
+      for (std::size_t i = 0; i < run.size(); ++i) {
+        ASSERT_EQ(run[i].held, widest[i].held) << "tick " << i;
+        ASSERT_TRUE(is_same(run[i].state, widest[i].state)) << "tick " << i;
       }
     }
   }
