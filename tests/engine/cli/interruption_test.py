@@ -145,8 +145,8 @@ def check_runs(palpate, models, folder, generator, options):
     whole_s = seconds_of(command, folder)
     seen = {"nothing written": 0, "cut": 0, "whole": 0, "too late": 0}
     signals = itertools.cycle(SIGNALS)
-    while sum(seen.values()) - seen["too late"] < INTERRUPTIONS:
-        check(seen["too late"] < 10 * INTERRUPTIONS, f"signals come too late: {seen}")
+    while sum(seen.values()) - seen["too late"] < INTERRUPTIONS or seen["cut"] == 0:
+        check(sum(seen.values()) < 10 * INTERRUPTIONS, f"too few runs were cut: {seen}")
         prepare(out)
         number = next(signals)
         code, stdout, stderr, lived = interrupted(command, folder,
@@ -167,7 +167,6 @@ def check_runs(palpate, models, folder, generator, options):
             continue
         was_cut = any(run["interrupted"] for run in json.loads(stdout)["runs"])
         seen["cut" if was_cut else "whole"] += 1
-    check(seen["cut"] > 0, f"no run was cut: {seen}")
     print(" ".join(options), seen)
 
 
