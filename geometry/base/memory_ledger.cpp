@@ -24,6 +24,7 @@ std::string bytes_text(std::uint64_t bytes) {
 }
 
 void MemoryLedger::begin(const char* step, std::string element) {
+  expect_no_shortage();
   step_ = step;
   element_ = std::move(element);
   declared_ = 0;

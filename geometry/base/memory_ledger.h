@@ -40,7 +40,8 @@ class MemoryLedger {
 
   // Sets the hint that explains how a user can reduce the memory. Requires a string literal.
   void advise(const char* advice) { advice_ = advice; }
-  // Begins a step on an element, for example "building the index" on "mesh \"cup\"".
+  // Begins a step on an element, for example "building the index" on "mesh \"cup\"". Throws
+  // std::bad_alloc if memory was short in the step before.
   void begin(const char* step, std::string element = {});
 
   // Counts need.kept for the present step, before the step allocates it. Returns an Error

@@ -30,7 +30,7 @@ struct ReservedBlock {
 ReservedBlock for_unwinding;
 ReservedBlock for_going_on;
 std::mutex of_reserves;
-std::size_t reserves = 0;
+std::atomic<std::size_t> reserves = 0;  // changed under of_reserves
 std::atomic<std::new_handler> handler_before = nullptr;
 
 void help_out() {
@@ -62,7 +62,12 @@ void MemoryReserve::give_up() noexcept {
 }
 
 bool MemoryReserve::has_helped_out() noexcept {
-  return for_unwinding.block.load() == nullptr || for_going_on.block.load() == nullptr;
+  return reserves.load() > 0 &&
+         (for_unwinding.block.load() == nullptr || for_going_on.block.load() == nullptr);
+}
+
+void expect_no_shortage() {
+  if (MemoryReserve::has_helped_out()) throw std::bad_alloc();
 }
 
 void expect_available(std::size_t bytes) {

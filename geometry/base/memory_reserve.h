@@ -24,14 +24,18 @@ class MemoryReserve {
 
   // Frees the remaining blocks, so that an error can be reported after memory was short.
   static void give_up() noexcept;
-  // Whether memory has been short. A caller needs this because some libraries report a shortage
-  // only as a general failure.
+  // Whether a block was used while an object of this class lives.
   static bool has_helped_out() noexcept;
 
  private:
   // Small enough for the C library to reuse a freed block for smaller allocations.
   static constexpr std::size_t kEnoughForAnError = std::size_t{1} << 16;
 };
+
+// Throws std::bad_alloc if memory has been short. Call it after steps of work: a step that needed
+// the reserve succeeds, but the next shortage might end the process, in a destructor outside of
+// unwinding. Some libraries also report a shortage only as a general failure.
+void expect_no_shortage();
 
 // Throws std::bad_alloc if one allocation of this size fails. Call it before code that needs this
 // memory and would otherwise end the process.

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "geometry/base/memory_reserve.h"
 #include "io/gltf/error.h"
 
 namespace palpate {
@@ -85,6 +86,7 @@ class DocumentBuilder {
 
   // The place of the next value.
   Json& place() {
+    expect_no_shortage();
     if (open_.empty()) return root_;
     Json& parent = *open_.back().value;
     return parent.is_array() ? parent.get_ref<Json::array_t&>().emplace_back() : *slot_;

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "geometry/base/memory_reserve.h"
 #include "io/gltf/error.h"
 #include "io/gltf/model.h"
 #include "io/gltf/schema.h"
@@ -59,6 +60,7 @@ bool parse_mesh(tinygltf::Mesh& mesh, tinygltf::Model& model, Text& problem, con
 class ModelReader : public GltfElements {
  public:
   std::optional<Error> add(GltfSection section, Json element, Json rest) override {
+    expect_no_shortage();
     const bool whole = read(section, element);
     spent_.add(std::move(element));
     spent_.add(std::move(rest));

@@ -15,6 +15,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "geometry/base/memory_reserve.h"
 #include "io/gltf/accessor.h"
 #include "io/gltf/animation.h"
 #include "io/gltf/buffers.h"
@@ -409,10 +410,8 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
   auto sections = read_model(*root, container->json.size(), warnings);
-  if (!sections) {
-    if (MemoryReserve::has_helped_out()) throw std::bad_alloc();  // tinygltf does not report it
-    return sections.error();
-  }
+  expect_no_shortage();
+  if (!sections) return sections.error();
   GltfBuffers buffers(std::move(sections->buffers), container->bin_chunk, folder, &ledger);
   if (container->misaligned) {
     warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "geometry/base/memory_reserve.h"
 #include "io/gltf/error.h"
 #include "io/gltf/json.h"
 #include "io/gltf/limits.h"
@@ -218,6 +219,7 @@ class Checker {
   }
 
   MaybeError check_object(GltfSection section, Json& object, const JsonPath& path, Json& taken) {
+    expect_no_shortage();
     switch (section) {
       case GltfSection::kScenes:
         return take_properties(object, path, kSceneProperties, taken);

@@ -20,6 +20,7 @@
 #include "models/primitives.h"
 #include "tests/helpers/gltf_seeds.h"
 #include "tests/helpers/peak_memory.h"
+#include "tests/helpers/soak.h"
 
 // Embree leaks a few hundred bytes if a build fails for lack of memory.
 extern "C" const char* __lsan_default_suppressions() {
@@ -31,6 +32,7 @@ namespace {
 
 using test::BoundedMemory;
 using test::FailingMemory;
+using test::in_soak_or_else;
 
 class OutOfMemory : public testing::TestWithParam<std::size_t> {
  protected:
@@ -115,7 +117,7 @@ TEST_P(OutOfMemory, IsReportedForEveryFeatureOfAFile) {
   for (const test::GltfSeed& seed : test::gltf_seeds()) {
     const std::span bytes(reinterpret_cast<const std::uint8_t*>(seed.bytes.data()),
                           seed.bytes.size());
-    run_out_of_memory(seed.name, 20, 40, [&] {
+    run_out_of_memory(seed.name, in_soak_or_else(200, 20), in_soak_or_else(1000, 40), [&] {
       auto description = read_gltf_bytes(bytes, "", seed.name);
       if (!description) return outcome_of(description);
       return outcome_of(Scene::compile(std::move(*description)));
@@ -127,7 +129,8 @@ TEST_P(OutOfMemory, IsReportedWhileASceneWithEffectsIsLoaded) {
   for (const char* name : {"star", "gallery", "effect_texture", "effect_magnet", "effect_shading",
                            "effect_viscosity", "effect_friction_map"}) {
     const std::string path = std::string(PALPATE_MODELS_DIR "/") + name + ".glb";
-    run_out_of_memory(name, 25, 60, [&] { return outcome_of(Scene::load(path)); });
+    run_out_of_memory(name, in_soak_or_else(400, 25), in_soak_or_else(4000, 60),
+                      [&] { return outcome_of(Scene::load(path)); });
   }
 }
 
