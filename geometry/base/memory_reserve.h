@@ -32,7 +32,8 @@ class MemoryReserve {
   static constexpr std::size_t kEnoughForAnError = std::size_t{1} << 16;
 };
 
-// Throws std::bad_alloc if memory has been short. Call it after steps of work: a step that needed
+// Throws std::bad_alloc if memory has been short in this process while the present MemoryReserve
+// lives. Call it after steps of work: a step that needed
 // the reserve succeeds, but the next shortage might end the process, in a destructor outside of
 // unwinding. Some libraries also report a shortage only as a general failure.
 void expect_no_shortage();
