@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the bill of materials and the licences that the build writes (distribution/inventory.py).
+"""Checks the bill of materials and the licences that the build writes (engine/distribution/inventory.py).
 
 usage: inventory_test.py PROJECT BUILD INVENTORY...     INVENTORY: the command that writes both
 
