@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "geometry/base/file_roles.h"
 #include "io/open_error.h"
 
 namespace palpate {
@@ -312,6 +313,7 @@ Result<std::vector<Vec3>> read_trajectory(const std::string& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) return open_error(path, errno != 0 ? errno : EIO, kExpectedFile);
+  if (auto error = add_input(path)) return *error;
   TrajectoryReader reader(path);
   std::vector<char> line(kMaxLineBytes);
   while (file.getline(line.data(), static_cast<std::streamsize>(line.size()))) {

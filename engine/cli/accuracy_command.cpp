@@ -98,9 +98,10 @@ std::vector<KnobResult> measure_all(const std::vector<Knob>& knobs,
     const auto of_all = [&](double share) {
       return (static_cast<double>(i) + share) / static_cast<double>(knobs.size());
     };
-    bar.show(knobs[i].name, of_all(0.0));
+    const std::string label = "accuracy: " + knobs[i].name;
+    bar.show(label, of_all(0.0));
     results.push_back(
-        measure(knobs[i], effort, [&](double share) { bar.show(knobs[i].name, of_all(share)); }));
+        measure(knobs[i], effort, [&](double share) { bar.show(label, of_all(share)); }));
   }
   reconcile(results);
   return results;
@@ -122,7 +123,7 @@ Result<SceneFindings> measure_findings(const Scene& scene, const AccuracyRequest
   findings.path = command.scene.path;
   findings.device = setup.device;
   findings.rate_Hz = command.settings.rate_Hz;
-  ProgressBar bar("scene");
+  ProgressBar bar("accuracy of the scene");
   Result<SceneAccuracy> measured =
       measure_scene(scene, setup, effort, [&](double share) { bar.show(share); });
   if (!measured) return measured.error();
@@ -222,25 +223,26 @@ std::optional<Error> write_results(const std::vector<KnobResult>& results, const
   return written ? std::nullopt : std::optional<Error>(written.error());
 }
 
-// Checks that results can be written; leaves no file.
-std::optional<Error> check_out_folder(const std::string& folder, const MeasurementEffort& effort) {
+// Checks that results can be written, and keeps other commands out of the folder. It has no file
+// until write_in_place(), because a signal ends the measurements at once.
+Result<OutputFiles> take_out_folder(const std::string& folder, const MeasurementEffort& effort) {
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
-  const auto files = OutputFiles::create(folder, accuracy_file_names(effort));
-  return files ? std::nullopt : std::optional<Error>(files.error());
+  auto files = OutputFiles::create(folder, accuracy_file_names(effort));
+  if (files) files->pause();
+  return files;
 }
 
 // Returns whether the files were written; after a signal the old files stay.
 Result<bool> write_in_place(const std::vector<KnobResult>& results, const Advice& advice,
                             const std::optional<SceneFindings>& findings,
-                            const MeasurementEffort& effort, const std::string& folder) {
-  Result<OutputFiles> files = OutputFiles::create(folder, accuracy_file_names(effort));
-  if (!files) return files.error();
-  if (auto error = write_results(results, advice, findings, effort, *files)) {
-    return files->in_place(*error);
+                            const MeasurementEffort& effort, OutputFiles& files) {
+  if (auto error = files.resume()) return *error;
+  if (auto error = write_results(results, advice, findings, effort, files)) {
+    return files.in_place(*error);
   }
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
   if (signal_flag().requested()) return false;
-  if (auto error = files->move_into_place()) return *error;
+  if (auto error = files.move_into_place()) return *error;
   return true;
 }
 
@@ -322,7 +324,8 @@ int accuracy(const AccuracyRequest& command) {
       chosen_knobs(effort, setup->device, command.knobs, !command.scene.path.empty());
   if (!knobs) return refuse(knobs.error());
   // Checked before measuring, which takes minutes.
-  if (const auto error = check_out_folder(command.out_dir, effort)) return refuse(*error);
+  auto files = take_out_folder(command.out_dir, effort);
+  if (!files) return refuse(files.error());
   if (signal_flag().requested()) return report_nothing_is_written();
 
   std::optional<Scene> scene;
@@ -352,7 +355,7 @@ int accuracy(const AccuracyRequest& command) {
   // From here on a signal waits until the files are complete.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (const auto error = check_output()) return refuse(*error);
-  const auto written = write_in_place(results, *advice, findings, effort, command.out_dir);
+  const auto written = write_in_place(results, *advice, findings, effort, *files);
   if (!written) return refuse(written.error());
   if (!*written) return report_nothing_is_written();
   std::cout << advice_text(*advice) << "\n";

@@ -12,6 +12,7 @@
 
 #include "engine/cli/effects_report.h"
 #include "engine/cli/option_names.h"
+#include "engine/report/output_lock.h"
 #include "geometry/base/printable.h"
 
 namespace palpate {
@@ -19,12 +20,20 @@ namespace {
 
 constexpr int kBadInput = 2;
 
+// Lines of progress in a log.
+constexpr std::chrono::seconds kFirstLine{10};
+constexpr std::chrono::seconds kBetweenLines{30};
+
 // Columns of the terminal on stderr, at least 1; 80 if unknown.
 std::size_t terminal_columns() {
   constexpr std::size_t kUsual = 80;
   winsize size{};
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
   return kUsual;
+}
+
+void print_warning(const std::string& warning) {
+  std::cerr << "palpate: warning: " << printable(with_option_names(warning)) << "\n";
 }
 
 Error lost_output() {
@@ -47,9 +56,8 @@ void print(const nlohmann::ordered_json& json) {
 
 int finish_output(const std::vector<std::string>& warnings) {
   if (!std::cout.flush()) return refuse(lost_output());
-  for (const std::string& warning : warnings) {
-    std::cerr << "palpate: warning: " << printable(with_option_names(warning)) << "\n";
-  }
+  for (const std::string& warning : warnings) print_warning(warning);
+  for (const std::string& warning : unlocked_folders()) print_warning(warning);
   return 0;
 }
 
@@ -87,8 +95,18 @@ std::string progress_line(const std::string& label, double share, double total_s
   return percent.substr(0, columns);
 }
 
+std::string duration_text(double seconds) {
+  const auto s = static_cast<long long>(seconds + 0.5);
+  if (s < 60) return std::to_string(s) + " s";
+  if (s < 3600) return std::to_string(s / 60) + " min " + std::to_string(s % 60) + " s";
+  return std::to_string(s / 3600) + " h " + std::to_string(s % 3600 / 60) + " min";
+}
+
 ProgressBar::ProgressBar(std::string label, double total_s)
-    : label_(std::move(label)), total_s_(total_s), has_terminal_(isatty(STDERR_FILENO)) {}
+    : label_(std::move(label)),
+      total_s_(total_s),
+      has_terminal_(isatty(STDERR_FILENO)),
+      next_line_(start_ + kFirstLine) {}
 
 ProgressBar::~ProgressBar() {
   if (shown_.empty()) return;
@@ -97,8 +115,27 @@ ProgressBar::~ProgressBar() {
   std::fflush(stderr);
 }
 
-void ProgressBar::show(const std::string& label, double share) {
-  if (!has_terminal_) return;
+std::string ProgressBar::time_left_text(double share, double found) const {
+  if (!(share > found)) return {};
+  const double elapsed_s = std::chrono::duration<double>(Clock::now() - start_).count();
+  return ", " + duration_text(elapsed_s * std::max(0.0, 1.0 - share) / (share - found)) + " left";
+}
+
+void ProgressBar::show(const std::string& label, double share, double found) {
+  if (has_terminal_) {
+    const bool has_seconds = total_s_ > 0.0;
+    return show_on_terminal(has_seconds ? label : label + time_left_text(share, found), share);
+  }
+  if (Clock::now() < next_line_) return;
+  next_line_ = Clock::now() + kBetweenLines;
+  const std::string text =
+      label.substr(0, label.find_last_not_of(' ') + 1) + time_left_text(share, found);
+  std::fprintf(stderr, "palpate: %s, %.0f %% done\n", text.c_str(),
+               100.0 * std::clamp(share, 0.0, 1.0));
+  std::fflush(stderr);
+}
+
+void ProgressBar::show_on_terminal(const std::string& label, double share) {
   // Writing in the last column makes some terminals wrap.
   const std::string line = progress_line(label, share, total_s_, terminal_columns() - 1);
   if (line == shown_) return;

@@ -2,6 +2,7 @@
 
 // Output that the subcommands share: errors, warnings, JSON and progress.
 
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -35,25 +36,39 @@ std::optional<Error> check_output();
 std::string progress_line(const std::string& label, double share, double total_s,
                           std::size_t columns);
 
-// A line of progress on stderr if stderr is a terminal; otherwise no output. The only control
-// character of the line is the carriage return. The destructor removes the line.
+// "12 s", "3 min 20 s", "2 h 5 min"
+std::string duration_text(double seconds);
+
+// The progress of a long command on stderr, with the time left, which is estimated from the share
+// that is done. On a terminal it is one line, whose only control character is the carriage return;
+// the destructor removes it. Elsewhere, such as in a log, it is a line after 10 s and then every
+// 30 s.
 class ProgressBar {
  public:
-  // total_s: simulated or real duration of the whole work; 0: no seconds are shown.
+  // total_s: simulated or real duration of the whole work, which a terminal shows in place of the
+  // time left; 0: unknown.
   explicit ProgressBar(std::string label, double total_s = 0.0);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // share: completed part of the work, 0 to 1.
-  void show(double share) { show(label_, share); }
-  void show(const std::string& label, double share);
+  // share: completed part of the work, 0 to 1. found: the part of it that was completed before.
+  void show(double share, double found = 0.0) { show(label_, share, found); }
+  void show(const std::string& label, double share, double found = 0.0);
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  void show_on_terminal(const std::string& label, double share);
+  // "; 3 min 20 s left", or nothing as long as it is unknown.
+  std::string time_left_text(double share, double found) const;
+
   std::string label_;
   double total_s_;
   bool has_terminal_;
   std::string shown_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point next_line_;
 };
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // `compare`: compares strategies for missing motors on the same simulated hands and scenes.
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_options.h"
+#include "engine/cli/run_progress.h"
 #include "engine/cli/scene_options.h"
 #include "engine/cli/setting_texts.h"
 #include "engine/cli/shard_option.h"
@@ -25,6 +27,7 @@
 #include "engine/experiment/strategy_text.h"
 #include "engine/experiment/trial.h"
 #include "engine/report/output_files.h"
+#include "geometry/base/file_roles.h"
 #include "geometry/base/parallel.h"
 
 namespace palpate {
@@ -110,11 +113,15 @@ Error with_compare_options(Error error) {
 // "palpate compare" again continues where this call stopped.
 int report_stopped_comparison(const CompareOutcome& outcome, const CompareRequest& request) {
   std::size_t done = 0;
+  std::uint64_t trials_of_others = 0;
   for (const ExperimentRunOutcome& run : outcome.runs) {
     done += run.computed.size() + run.kept.size();
+    trials_of_others += run.trials_done;
   }
-  std::cerr << "palpate: interrupted; the trials of " << done << " hands are complete in "
-            << request.out_dir << ", and the same command goes on from there\n";
+  std::string text =
+      "the trials of " + std::to_string(done) + " hands are complete in " + request.out_dir;
+  if (trials_of_others > 0) text += ", with " + kept_trials_text(trials_of_others, "hand");
+  std::cerr << "palpate: interrupted; " << text << ", and the same command goes on from there\n";
   return exit_code_after_signals(0);
 }
 
@@ -165,7 +172,22 @@ int report_results(const CompareSettings& settings, const CompareOutcome& outcom
   return exit_code_after_signals(code == 0 && !is_complete ? kIncompleteTrials : code);
 }
 
+// The files that a comparison writes besides its trials. An input that is one of them is then
+// refused before the first trial.
+std::optional<Error> add_compare_outputs(const std::string& folder) {
+  std::vector<std::string> paths{compare_plan_path(folder, CompareHands::kCompared),
+                                 compare_plan_path(folder, CompareHands::kTuning)};
+  for (const std::string& name : comparison_report_names()) {
+    paths.push_back((std::filesystem::path(folder) / name).string());
+  }
+  for (const std::string& path : paths) {
+    if (auto error = add_output(path)) return error;
+  }
+  return std::nullopt;
+}
+
 int run_compare(const CompareRequest& request) {
+  if (const auto error = add_compare_outputs(request.out_dir)) return refuse(*error);
   const auto settings = compare_settings(request);
   if (!settings) return refuse(settings.error());
   ExperimentRunSettings run;
@@ -182,9 +204,8 @@ int run_compare(const CompareRequest& request) {
   Result<CompareOutcome> outcome = CompareOutcome{};
   {
     ProgressBar bar("compare");
-    outcome = run_comparison(
-        *settings, run, {find_trial_way, run_trial},
-        [&](const RunProgress& progress) { bar.show(progress.share); }, &signal_flag());
+    outcome =
+        run_comparison(*settings, run, {find_trial_way, run_trial}, shown_in(bar), &signal_flag());
   }
   if (!outcome) return refuse(with_compare_options(outcome.error()));
   if (!outcome->runs.back().not_done.empty()) return report_stopped_comparison(*outcome, request);
@@ -260,7 +281,7 @@ CLI::App* CompareCommand::add_to(CLI::App& program) {
       "random numbers.\nDIR/report.html states which technique is best by which measure, and "
       "where A4 loses;\ncomparison.json and four CSV files have all numbers. DIR/plan.json is "
       "the plan, DIR/trials has the\ntrials. Another comparison in DIR is replaced. If the command "
-      "is interrupted, the same command\ncomputes the missing hands only. `anisotropic` tries six "
+      "is interrupted, the same command\ncomputes the missing trials only. `anisotropic` tries six "
       "values of E on other "
       "hands, and takes for\neach measure the best one.\nExit code 3: fewer than 90 % of a "
       "strategy's "

@@ -105,6 +105,9 @@ std::string outcome_text(const RunOutcome& outcome, const DealtSettings& setting
     text += "kept " + participants_text(outcome.kept) + ", complete in " + folder +
             "/parts from an earlier run of this plan\n";
   }
+  if (outcome.kept_trials > 0) {
+    text += "kept " + kept_trials_text(outcome.kept_trials, kParticipant) + " from there\n";
+  }
   return text + (outcome.merged ? merged_text(*outcome.merged, folder)
                                 : shard_text(outcome, settings, kParticipant, "experiment"));
 }
@@ -118,7 +121,7 @@ int run_with_progress(const DealtSettings& settings, std::vector<std::string> wa
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   const auto outcome = [&] {
     ProgressBar bar("experiment");
-    return run(shown_in(bar, "experiment"));
+    return run(shown_in(bar));
   }();
   if (!outcome) return refuse(outcome.error());
   if (!outcome->not_done.empty()) {
@@ -159,16 +162,17 @@ int run_plan(const ExperimentRunRequest& request) {
 
 void add_run(CLI::App& experiment, ExperimentRunRequest& request) {
   CLI::App& app = *experiment.add_subcommand("run", "run all trials of a plan");
-  set_help(app,
-           "  ./run.sh experiment plan paper --out plan.json    # then edit it\n"
-           "  ./run.sh experiment run plan.json --out experiment\n",
-           "A participant's trials appear in DIR/parts together. If the command is interrupted or "
-           "killed, the\nsame command computes the missing participants only. trials.csv, "
-           "columns.csv and run.json appear\nwhen all participants are complete; run.log has the "
-           "times of computing.\nResults of another plan in DIR stay until the new results "
-           "replace them; a shard replaces the\nparts and the traces of another plan only.\n\n"
-           "A plan with \"protocol\": \"canonical\" has a wall in place of objects: "
-           "canonical.csv and canonical.html\nappear in place of trials.csv.\n");
+  set_help(
+      app,
+      "  ./run.sh experiment plan paper --out plan.json    # then edit it\n"
+      "  ./run.sh experiment run plan.json --out experiment\n",
+      "Each trial is kept in DIR/parts when it ends. If the command is interrupted or killed, the "
+      "same\ncommand computes the missing trials only. trials.csv, columns.csv and run.json "
+      "appear when all\nparticipants are complete; run.log has the times of computing.\nResults of "
+      "another plan in DIR stay until the new results replace them; trials of another plan "
+      "that are\nin no results yet are not replaced: the command is refused.\n\n"
+      "A plan with \"protocol\": \"canonical\" has a wall in place of objects: "
+      "canonical.csv and canonical.html\nappear in place of trials.csv.\n");
   app.add_option("PLAN", request.plan,
                  "plan, a JSON file; `paper` and `canonical` are the plans that ship")
       ->required();

@@ -1,9 +1,7 @@
 #include "engine/cli/experiment_power.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
-#include <system_error>
 #include <utility>
 
 #include "engine/cli/command_help.h"
@@ -16,7 +14,6 @@
 #include "engine/experiment/power_text.h"
 #include "engine/report/output_files.h"
 #include "geometry/base/parallel.h"
-#include "geometry/base/quoted.h"
 
 namespace palpate {
 namespace {
@@ -27,20 +24,6 @@ constexpr const char* kSimulationGroup = "Simulation";
 int report_interrupted_power() {
   std::cerr << "palpate: interrupted; nothing is written\n";
   return exit_code_after_signals(0);
-}
-
-// The results must not replace what they are computed from.
-std::optional<Error> check_pilot_is_no_result(const PowerRequest& power,
-                                              const std::string& out_dir) {
-  for (const std::string& name : power_report_names()) {
-    const auto result = std::filesystem::path(out_dir) / name;
-    std::error_code ignored;
-    if (power.pilot.empty() || !std::filesystem::equivalent(power.pilot, result, ignored)) continue;
-    return invalid_argument("--out", "has the result " + name + ", which is the pilot " +
-                                         in_quotes(power.pilot) +
-                                         " itself; expected another folder");
-  }
-  return std::nullopt;
 }
 
 // Writes the report. The files appear together, unless a signal has arrived before.
@@ -98,7 +81,6 @@ int run_power(const ExperimentPowerRequest& request) {
   if (const auto error = check_not_canonical(power.pilot)) return refuse(*error);
   auto study = prepare_power(power);
   if (!study) return refuse(study.error());
-  if (const auto error = check_pilot_is_no_result(power, request.out_dir)) return refuse(*error);
   if (const auto error = check_output()) return refuse(*error);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   auto files = OutputFiles::create(request.out_dir, power_report_names());

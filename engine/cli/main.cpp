@@ -19,6 +19,7 @@
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_line.h"
 #include "engine/cli/program_signals.h"
+#include "geometry/base/file_roles.h"
 #include "geometry/base/printable.h"
 
 namespace {
@@ -154,6 +155,7 @@ void occupy_standard_descriptors() {
 int main(int argc, char** argv) {
   occupy_standard_descriptors();
   palpate::install_signal_handlers();
+  palpate::watch_file_roles();
   const palpate::PrintableStream out(std::cout);
   const palpate::PrintableStream err(std::cerr);
   try {

@@ -1,7 +1,6 @@
 // The subcommand `recording`: describes, checks, repairs and exports recordings.
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
+#include "engine/cli/run_recording.h"
 #include "engine/recording/recording_check.h"
 #include "engine/recording/recording_reader.h"
 #include "engine/recording/recording_settings.h"
@@ -261,10 +261,8 @@ int RecordingCommand::copy(bool repairs) {
   }
   const auto reader = RecordingReader::open(files_.front());
   if (!reader) return refuse(reader.error());
-  std::error_code ignored;
-  if (std::filesystem::equivalent(files_.front(), repairs ? out_ : csv_, ignored)) {
-    return refuse(invalid_argument(repairs ? "--out" : "--csv",
-                                   "is the recording itself; expected another file"));
+  if (repairs) {
+    if (const auto error = check_recording_names({out_})) return refuse(*error);
   }
   const auto checked = repairs ? repair_recording(*reader, out_) : export_recording(*reader, csv_);
   if (!checked) return refuse(checked.error());

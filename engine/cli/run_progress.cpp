@@ -10,19 +10,8 @@
 
 namespace palpate {
 
-std::string duration_text(double seconds) {
-  const auto s = static_cast<long long>(seconds + 0.5);
-  if (s < 60) return std::to_string(s) + " s";
-  if (s < 3600) return std::to_string(s / 60) + " min " + std::to_string(s % 60) + " s";
-  return std::to_string(s / 3600) + " h " + std::to_string(s % 3600 / 60) + " min";
-}
-
-std::function<void(const RunProgress&)> shown_in(ProgressBar& bar, const std::string& label) {
-  return [&bar, label](const RunProgress& progress) {
-    bar.show(progress.time_left_s ? label + ", " + duration_text(*progress.time_left_s) + " left"
-                                  : label,
-             progress.share);
-  };
+std::function<void(const RunProgress&)> shown_in(ProgressBar& bar) {
+  return [&bar](const RunProgress& progress) { bar.show(progress.share, progress.found); };
 }
 
 Result<DealtSettings> dealt_settings(const std::string& out_dir, const std::string& shard,
@@ -53,13 +42,18 @@ std::string shard_text(const DealtOutcome& outcome, const DealtSettings& setting
          shell_line({"experiment", "merge", folder, "...", "--out", merged_dir}) + "\n";
 }
 
+std::string kept_trials_text(std::uint64_t trials, const std::string& noun) {
+  return trials == 0 ? "" : count_text(trials, "trial") + " of other " + noun + "s";
+}
+
 int report_interruption(const DealtOutcome& outcome, const std::string& noun,
                         const std::string& out_dir) {
   const std::size_t done = outcome.computed.size() + outcome.kept.size();
   const std::size_t all = done + outcome.not_done.size();
-  std::cerr << "palpate: interrupted; " << done << " of " << count_text(all, noun)
-            << (all == 1 ? " is" : " are") << " complete in " << out_dir
-            << "/parts, and the same command goes on from there\n";
+  std::string text = std::to_string(done) + " of " + count_text(all, noun) +
+                     (all == 1 ? " is" : " are") + " complete in " + out_dir + "/parts";
+  if (outcome.trials_done > 0) text += ", with " + kept_trials_text(outcome.trials_done, noun);
+  std::cerr << "palpate: interrupted; " << text << ", and the same command goes on from there\n";
   return exit_code_after_signals(0);
 }
 

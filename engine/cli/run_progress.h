@@ -3,6 +3,7 @@
 // The progress of runs that are dealt to shards and jobs.
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,12 +13,8 @@
 
 namespace palpate {
 
-// "12 s", "3 min 20 s", "2 h 5 min"
-std::string duration_text(double seconds);
-
-// A function that shows the progress in the bar, with the time left once it is known. The bar must
-// outlive the function.
-std::function<void(const RunProgress&)> shown_in(ProgressBar& bar, const std::string& label);
+// A function that shows the progress in the bar, which must outlive the function.
+std::function<void(const RunProgress&)> shown_in(ProgressBar& bar);
 
 // The settings of a run. shard: "i/n", or empty for all units. jobs: no value for the number of
 // cores, and for 1 if there is a shard.
@@ -30,6 +27,10 @@ std::string count_text(std::size_t count, const std::string& noun);
 // What a shard did. merged_dir: the folder of the merge that is shown.
 std::string shard_text(const DealtOutcome& outcome, const DealtSettings& settings,
                        const std::string& noun, const std::string& merged_dir);
+
+// "12 trials of other participants"; empty without trials. They are kept, although no participant
+// of theirs is complete.
+std::string kept_trials_text(std::uint64_t trials, const std::string& noun);
 
 // Says on stderr how many units are complete, and returns the exit code.
 int report_interruption(const DealtOutcome& outcome, const std::string& noun,

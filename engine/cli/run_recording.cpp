@@ -35,9 +35,14 @@ std::string recording_name_of(const std::string& file, bool a4) {
 std::optional<Error> check_recording_names(const std::vector<std::string>& files) {
   std::error_code ignored;
   for (const std::string& file : files) {
-    if (!std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) continue;
-    return Error{ErrorCode::kFileUnwritable, file, "", "exists; expected the name of a new file",
-                 "remove the file or choose another name with --record"};
+    if (file.empty()) continue;
+    // SQLite writes and removes the files with these endings beside the recording.
+    for (const char* const ending : {"", "-wal", "-journal"}) {
+      const std::string name = file + ending;
+      if (!std::filesystem::exists(std::filesystem::symlink_status(name, ignored))) continue;
+      return Error{ErrorCode::kFileUnwritable, name, "", "exists; expected the name of a new file",
+                   "remove the file or choose another name"};
+    }
   }
   return std::nullopt;
 }

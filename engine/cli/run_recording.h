@@ -25,7 +25,7 @@ void add_record(CLI::App& app, std::string& file);
 // The file of one of two runs: NAME-off.palpate or NAME-on.palpate for NAME or NAME.palpate.
 std::string recording_name_of(const std::string& file, bool a4);
 
-// An error if one of the files exists.
+// An error if one of the files exists, or one that SQLite would write beside it.
 std::optional<Error> check_recording_names(const std::vector<std::string>& files);
 
 // An error if the recording would be one of the files that the command itself writes.

@@ -22,6 +22,9 @@ std::string outcome_text(const SweepOutcome& outcome, const DealtSettings& setti
     text += "kept " + count_text(outcome.kept.size(), kPoint) + ", complete in " + folder +
             "/parts from an earlier run of this sweep\n";
   }
+  if (outcome.kept_trials > 0) {
+    text += "kept " + kept_trials_text(outcome.kept_trials, kPoint) + " from there\n";
+  }
   return text + (outcome.merged ? merged_text(*outcome.merged, folder)
                                 : shard_text(outcome, settings, kPoint, "sweep"));
 }
@@ -47,7 +50,7 @@ void add_sweep(CLI::App& experiment, SweepRequest& request) {
            "be true of the\nhand\" over a Latin hypercube of all parameters; sweep.csv has the "
            "means that both follow from.\nThey appear when all points are complete; the "
            "sweep that ships takes less than ten minutes\non two cores. If the command is "
-           "interrupted or killed, the same command computes the missing\npoints only. Results of "
+           "interrupted or killed, the same command computes the missing\ntrials only. Results of "
            "another sweep in DIR are replaced.\n");
   app.add_option("SWEEP", request.sweep, "sweep, a JSON file; `sweep` is the one that ships")
       ->required();
@@ -69,8 +72,7 @@ int run_sweep_command(const SweepRequest& request) {
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   const auto outcome = [&] {
     ProgressBar bar("sweep");
-    return run_sweep(*sweep, *settings, {find_trial_way, run_trial}, shown_in(bar, "sweep"),
-                     &signal_flag());
+    return run_sweep(*sweep, *settings, {find_trial_way, run_trial}, shown_in(bar), &signal_flag());
   }();
   if (!outcome) return refuse(outcome.error());
   if (!outcome->not_done.empty()) return report_interruption(*outcome, kPoint, request.out_dir);

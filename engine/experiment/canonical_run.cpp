@@ -19,6 +19,7 @@
 #include "engine/experiment/sweep_run.h"
 #include "engine/experiment/trial.h"
 #include "engine/experiment/trials_file.h"
+#include "geometry/base/file_roles.h"
 
 namespace palpate {
 namespace {
@@ -58,24 +59,29 @@ std::optional<Error> check_canonical_trials(const CanonicalPlan& plan, const Sce
 
 Result<std::optional<UnitRun>> run_canonical_participant(const CanonicalPlan& plan,
                                                          const Scene& wall, const RunSetup& device,
-                                                         int participant,
-                                                         const std::function<bool()>& after_trial) {
+                                                         int participant, UnitTrials& trials) {
   const OperatorParameters person = draw_person(plan.person, plan.seed, participant);
   CsvLines lines("");
-  lines.clear();
   UnitRun run;
   for (const CanonicalCell& cell : plan.cells()) {
+    if (const std::string* const finished = trials.next()) {
+      run.rows += *finished;
+      continue;
+    }
     const auto outcome =
         run_canonical_trial(wall, device, plan.display_Hz, person,
                             {cell, canonical_noise_seed(plan.seed, participant, cell)});
     if (!outcome) return outcome.error();
+    lines.clear();
     add_canonical_row(lines,
                       {participant, cell, outcome->along_over_into, outcome->share_within_30deg});
+    run.rows += lines.text();
     run.ticks += outcome->ticks;
     run.loop_ns += outcome->loop_ns;
-    if (!after_trial()) return std::optional<UnitRun>();
+    const auto goes_on = trials.add(lines.text());
+    if (!goes_on) return goes_on.error();
+    if (!*goes_on) return std::optional<UnitRun>();
   }
-  run.rows = lines.text();
   return std::optional<UnitRun>(std::move(run));
 }
 
@@ -87,8 +93,8 @@ DealtRun dealt_canonical(const CanonicalPlan& plan, const Scene& wall, const Run
   run.identity_json = identity.json();
   run.result_names = {kCanonicalFile, kColumnsFile, kCanonicalPage, kRunFile};
   run.trials = [&plan](int) { return std::uint64_t{plan.cells().size()}; };
-  run.compute = [&](int participant, const std::function<bool()>& after_trial) {
-    return run_canonical_participant(plan, wall, device, participant, after_trial);
+  run.compute = [&](int participant, UnitTrials& trials) {
+    return run_canonical_participant(plan, wall, device, participant, trials);
   };
   return run;
 }
@@ -144,6 +150,7 @@ std::vector<std::string> canonical_results_in(const std::string& folder) {
 }
 
 std::vector<std::string> experiment_results_in(const std::string& folder) {
+  const OwnResultsScope own;
   const auto text = read_settings_text((std::filesystem::path(folder) / kRunFile).string());
   if (!text) return {};
   const auto json = nlohmann::json::parse(*text, nullptr, false);

@@ -6,6 +6,7 @@
 #include "engine/experiment/experiment_merge.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/report/whole_file.h"
+#include "geometry/base/file_roles.h"
 
 namespace palpate {
 namespace {
@@ -33,6 +34,7 @@ double share_of_trials(const std::vector<ExperimentPlan>& plans, std::size_t run
 }
 
 Result<std::vector<TrialRow>> trial_rows_in(const std::string& folder, CompareHands hands) {
+  const OwnResultsScope own;
   return read_trials((fs::path(compare_trials_folder(folder, hands)) / kTrialsFile).string());
 }
 
@@ -81,19 +83,24 @@ Result<CompareOutcome> run_comparison(const CompareSettings& settings,
   }
   CompareOutcome outcome;
   double share_before = 0.0;
+  double found_before = 0.0;
   for (const CompareHands hands : hands_of(settings)) {
     const std::size_t number = outcome.runs.size();
     ExperimentRunSettings one = run;
     one.out_folder = compare_trials_folder(folder, hands);
     const double share = share_of_trials(plans, number);
+    double found_of_run = 1.0;  // if nothing is left to compute
     const auto show = [&](const RunProgress& of_run) {
-      if (progress) progress({share_before + share * of_run.share, std::nullopt});
+      found_of_run = of_run.found;
+      if (!progress) return;
+      progress({share_before + share * of_run.share, found_before + share * of_run.found});
     };
     auto done = run_experiment(plans[number], one, functions, show, stop);
     if (!done) return done.error();
     // After the run, because a run that is refused writes nothing.
     if (auto error = write_plan_file(settings, hands, folder)) return *error;
     share_before += share;
+    found_before += share * found_of_run;
     const bool is_stopped = !done->not_done.empty();
     outcome.runs.push_back(std::move(*done));
     if (is_stopped) return outcome;

@@ -1,18 +1,15 @@
 #include "engine/experiment/dealt_merge.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <fcntl.h>
 #include <filesystem>
 #include <map>
-#include <sys/file.h>
 #include <system_error>
-#include <unistd.h>
 
 #include "engine/experiment/csv_reader.h"
 #include "engine/experiment/strict_json.h"
 #include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
+#include "geometry/base/file_roles.h"
 
 namespace palpate {
 namespace {
@@ -22,26 +19,6 @@ struct FoundPart {
   std::string rows;
 };
 
-// Waits until no other process moves results into the folder: moving replaces several files, and
-// two runs of one plan may end at the same time. Where the file system has no locks, it does not
-// wait.
-class OneAtATime {
- public:
-  explicit OneAtATime(const std::string& folder)
-      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    while (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
-    }
-  }
-  ~OneAtATime() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  OneAtATime(const OneAtATime&) = delete;
-  OneAtATime& operator=(const OneAtATime&) = delete;
-
- private:
-  int descriptor_;
-};
-
 Error merge_error(std::string path, std::string element, std::string problem, std::string hint) {
   return {ErrorCode::kInvalidContent, std::move(path), std::move(element), std::move(problem),
           std::move(hint)};
@@ -49,6 +26,7 @@ Error merge_error(std::string path, std::string element, std::string problem, st
 
 Result<RunIdentity> read_identity(const std::string& folder) {
   const std::string path = part_identity_path(folder);
+  const OwnResultsScope own;
   const auto text = read_settings_text(path);
   if (text) return parse_identity(*text, path);
   if (text.error().code != ErrorCode::kFileNotFound) return text.error();
@@ -214,7 +192,6 @@ std::optional<Error> write_results(const std::string& folder,
     const auto written = write_text_file(files->path(name), text);
     if (!written) return files->in_place(written.error());
   }
-  const OneAtATime lock(folder);
   return files->move_into_place();
 }
 

@@ -34,9 +34,10 @@ struct JoinedParts {
 Result<JoinedParts> join_parts(const std::vector<std::string>& folders, RunKind kind,
                                const std::function<std::string(const RunIdentity&)>& columns_of);
 
-// Writes the texts as files of these names into the folder, together or not at all. Waits while
-// another process does so. obsolete: the names of results of another kind of run; the files of
-// these names are removed when the new ones appear, and anything else of these names is left alone.
+// Writes the texts as files of these names into the folder, together or not at all. An error
+// if another process writes there. obsolete: the names of results of another kind of run; the files
+// of these names are removed when the new ones appear, and anything else of these names is left
+// alone.
 std::optional<Error> write_results(const std::string& folder,
                                    const std::vector<std::pair<std::string, std::string>>& texts,
                                    const std::vector<std::string>& obsolete = {});

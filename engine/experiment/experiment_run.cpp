@@ -35,8 +35,8 @@ DealtRun dealt_experiment(const ExperimentPlan& plan, const std::vector<Experime
   run.identity_json = identity.json();
   run.result_names = {kTrialsFile, kColumnsFile, kRunFile};
   run.trials = [&plan](int) { return plan.trials_per_participant(); };
-  run.compute = [&, traces](int participant, const std::function<bool()>& after_trial) {
-    return run_participant(plan, scenes, functions, participant, traces, after_trial);
+  run.compute = [&, traces](int participant, UnitTrials& trials) {
+    return run_participant(plan, scenes, functions, participant, traces, trials);
   };
   if (!traces.empty()) {
     run.has_other_files = [&plan, traces](int participant) {

@@ -177,16 +177,20 @@ Result<std::optional<UnitRun>> run_participant(const ExperimentPlan& plan,
                                                const std::vector<ExperimentScene>& scenes,
                                                const TrialFunctions& functions, int participant,
                                                const std::string& traces_folder,
-                                               const std::function<bool()>& after_trial) {
+                                               UnitTrials& trials) {
   const OperatorParameters person = draw_person(plan.person, plan.seed, participant);
   CsvLines lines("");
-  lines.clear();
   UnitRun run;
   for (const PlannedTrial& trial : planned_trials(plan, participant)) {
     const std::string trace_path =
         traces_folder.empty()
             ? ""
             : (fs::path(traces_folder) / trace_name(plan, participant, trial)).string();
+    const std::string* const finished = trials.next();
+    if (finished && (trace_path.empty() || fs::exists(trace_path))) {
+      run.rows += *finished;
+      continue;
+    }
     const std::size_t scene = scene_index(plan, trial.variant, trial.condition.object);
     const RunSetup setup =
         turned_setup(scenes[scene].setup, plan.start_orientation_deg[trial.variant.start]);
@@ -194,12 +198,15 @@ Result<std::optional<UnitRun>> run_participant(const ExperimentPlan& plan,
                                      person_in_block(person, plan, trial.block),
                                      conditions_of(plan, participant, trial), trace_path);
     if (!outcome) return outcome.error();
+    lines.clear();
     add_row(lines, row_of(plan, participant, trial, *outcome));
+    run.rows += lines.text();
     run.ticks += outcome->ticks;
     run.loop_ns += outcome->loop_ns;
-    if (!after_trial()) return std::optional<UnitRun>();
+    const auto goes_on = trials.add(lines.text());
+    if (!goes_on) return goes_on.error();
+    if (!*goes_on) return std::optional<UnitRun>();
   }
-  run.rows = lines.text();
   return std::optional<UnitRun>(std::move(run));
 }
 

@@ -3,7 +3,6 @@
 // All trials of one simulated participant.
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include "engine/experiment/experiment_scene.h"
 #include "engine/experiment/plan.h"
 #include "engine/experiment/trial_row.h"
+#include "engine/experiment/unit_trials.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -39,13 +39,13 @@ bool is_trace_name(std::string_view file_name);
 
 // Runs the trials; the rows are lines of trials.csv. The result depends on plan, scenes and
 // participant only. traces_folder: the folder for the traces of the trials (TraceWriter); missing
-// folders are created; empty: no traces. after_trial: called after each trial; if it returns false,
-// the run ends without a result. Thread-safe for different participants. Errors: those of
-// TrialFunctions::run, and errors of writing a trace.
+// folders are created; empty: no traces. trials: a finished trial is not computed again, unless its
+// trace is missing. No value: `trials` has ended the unit. Thread-safe for different participants.
+// Errors: those of TrialFunctions::run and of UnitTrials::add(), and errors of writing a trace.
 Result<std::optional<UnitRun>> run_participant(const ExperimentPlan& plan,
                                                const std::vector<ExperimentScene>& scenes,
                                                const TrialFunctions& functions, int participant,
                                                const std::string& traces_folder,
-                                               const std::function<bool()>& after_trial);
+                                               UnitTrials& trials);
 
 }  // namespace palpate

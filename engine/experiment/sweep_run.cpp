@@ -17,6 +17,7 @@
 #include "engine/experiment/sweep_rows.h"
 #include "engine/experiment/sweep_scenes.h"
 #include "engine/experiment/trials_file.h"
+#include "geometry/base/file_roles.h"
 
 namespace palpate {
 namespace {
@@ -41,21 +42,21 @@ RunIdentity identity_of_sweep(const Sweep& sweep, const SweepScenes& scenes, std
 
 Result<std::optional<UnitRun>> run_point(const Sweep& sweep, int number, const SweepPoint& point,
                                          const SweepScenes& scenes, const TrialFunctions& functions,
-                                         const std::function<bool()>& after_trial) {
+                                         UnitTrials& trials) {
   const ExperimentPlan plan = plan_at(sweep, point);
   const TrialFunctions with_device = with_device_of(plan, functions);
   UnitRun run;
-  std::string trials = trials_columns() + "\n";
+  std::string table = trials_columns() + "\n";
   for (int participant = 1; participant <= plan.participants; ++participant) {
     const auto done = run_participant(plan, scenes.at(*point.values[kScale]), with_device,
-                                      participant, "", after_trial);
+                                      participant, "", trials);
     if (!done) return done.error();
     if (!*done) return std::optional<UnitRun>();
-    trials += (*done)->rows;
+    table += (*done)->rows;
     run.ticks += (*done)->ticks;
     run.loop_ns += (*done)->loop_ns;
   }
-  const auto rows = parse_trials(trials, kTrialsFile);
+  const auto rows = parse_trials(table, kTrialsFile);
   if (!rows) return rows.error();
   CsvLines lines("");
   lines.clear();
@@ -80,23 +81,10 @@ DealtRun dealt_sweep(const Sweep& sweep, const std::vector<SweepPoint>& points,
     return static_cast<std::uint64_t>(point_of(number).participants) *
            sweep.plan.trials_per_participant();
   };
-  run.compute = [&, point_of](int number, const std::function<bool()>& after_trial) {
-    return run_point(sweep, number, point_of(number), scenes, functions, after_trial);
+  run.compute = [&, point_of](int number, UnitTrials& trials) {
+    return run_point(sweep, number, point_of(number), scenes, functions, trials);
   };
   return run;
-}
-
-// An error if a result would replace the file of the sweep.
-std::optional<Error> check_input_is_kept(const Sweep& sweep, const std::string& out_folder) {
-  for (const std::string& name : sweep_result_names()) {
-    std::error_code failed;
-    const fs::path result = fs::path(out_folder) / name;
-    if (!fs::equivalent(result, sweep.path, failed)) continue;
-    return Error{ErrorCode::kFileUnwritable, sweep.path, "",
-                 "is the sweep, but the result " + name + " would replace it",
-                 "rename it, or choose another folder"};
-  }
-  return std::nullopt;
 }
 
 // The results of other kinds in the folder that those of a sweep do not overwrite.
@@ -133,7 +121,6 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
                                const TrialFunctions& functions,
                                const std::function<void(const RunProgress&)>& progress,
                                const StopFlag* stop) {
-  if (auto error = check_input_is_kept(sweep, settings.out_folder)) return *error;
   const std::vector<SweepPoint> points = sweep_points(sweep);
   const auto scenes = load_sweep_scenes(sweep, points, functions);
   if (!scenes) return scenes.error();
@@ -148,6 +135,7 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
 }
 
 std::vector<std::string> sweep_result_names_in(const std::string& folder) {
+  const OwnResultsScope own;
   const auto text = read_settings_text((fs::path(folder) / kRunFile).string());
   if (!text) return {};
   const auto json = nlohmann::json::parse(*text, nullptr, false);

@@ -8,6 +8,7 @@
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/report/whole_file.h"
+#include "geometry/base/file_roles.h"
 #include "io/gltf/file.h"
 
 namespace palpate {
@@ -15,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kNameEnd = ".csv";
+constexpr std::string_view kPartEnd = ".csv";
 
 // The first line: what the rows belong to, and their hash.
 std::string line_of_run(const DealtUnits& units, int unit) {
@@ -43,31 +44,42 @@ std::string part_identity_path(const std::string& folder) {
   return (fs::path(parts_folder(folder)) / "run.json").string();
 }
 
-std::string part_path(const std::string& folder, std::string_view noun, int unit) {
+std::string unit_file_path(const std::string& folder, std::string_view noun, int unit,
+                           std::string_view ending) {
   std::string name(noun);
-  name.append("-").append(std::to_string(unit)).append(kNameEnd);
+  name.append("-").append(std::to_string(unit)).append(ending);
   return (fs::path(parts_folder(folder)) / name).string();
 }
 
-std::vector<int> units_with_parts(const std::string& folder, std::string_view noun) {
+std::string part_path(const std::string& folder, std::string_view noun, int unit) {
+  return unit_file_path(folder, noun, unit, kPartEnd);
+}
+
+std::vector<int> units_with_files(const std::string& folder, std::string_view noun,
+                                  std::string_view ending) {
   const std::string begin_of_names = std::string(noun) + "-";
   std::vector<int> units;
   std::error_code failed;
   for (fs::directory_iterator entry(parts_folder(folder), failed), end; !failed && entry != end;
        entry.increment(failed)) {
     const std::string name = entry->path().filename().string();
-    if (!name.starts_with(begin_of_names) || !name.ends_with(kNameEnd)) continue;
+    if (!name.starts_with(begin_of_names) || !name.ends_with(ending)) continue;
     const char* const begin = name.data() + begin_of_names.size();
-    const char* const stop = name.data() + name.size() - kNameEnd.size();
+    const char* const stop = name.data() + name.size() - ending.size();
     int unit = 0;
     const auto [rest, problem] = std::from_chars(begin, stop, unit);
     const bool is_number = problem == std::errc() && rest == stop && unit > 0;
-    if (is_number && fs::path(part_path(folder, noun, unit)).filename() == name) {  // not 007
+    if (is_number &&
+        fs::path(unit_file_path(folder, noun, unit, ending)).filename() == name) {  // not 007
       units.push_back(unit);
     }
   }
   std::sort(units.begin(), units.end());
   return units;
+}
+
+std::vector<int> units_with_parts(const std::string& folder, std::string_view noun) {
+  return units_with_files(folder, noun, kPartEnd);
 }
 
 std::optional<Error> write_part(const std::string& path, const DealtUnits& units, int unit,
@@ -80,6 +92,7 @@ std::optional<Error> write_part(const std::string& path, const DealtUnits& units
 }
 
 Result<std::string> read_part(const std::string& path, const DealtUnits& units, int unit) {
+  const OwnResultsScope own;
   const auto bytes = read_regular_file(path, kMostTrialsBytes);
   if (!bytes) return bytes.error();
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());

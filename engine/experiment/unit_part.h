@@ -26,7 +26,14 @@ std::string parts_folder(const std::string& folder);
 std::string part_identity_path(const std::string& folder);  // RunIdentity::json() of the run
 std::string part_path(const std::string& folder, std::string_view noun, int unit);
 
-// The units that have a file in the folder, in ascending order.
+// The path of another file of a unit beside its part, and the units that have such a file, in
+// ascending order. ending: of the name, such as ".csv".
+std::string unit_file_path(const std::string& folder, std::string_view noun, int unit,
+                           std::string_view ending);
+std::vector<int> units_with_files(const std::string& folder, std::string_view noun,
+                                  std::string_view ending);
+
+// The units that have a part in the folder, in ascending order.
 std::vector<int> units_with_parts(const std::string& folder, std::string_view noun);
 
 // Writes the part, whole or not at all. rows: lines without the line of names.

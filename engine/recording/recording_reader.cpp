@@ -15,6 +15,7 @@
 #include "engine/recording/read_only_files.h"
 #include "engine/recording/recording_schema.h"
 #include "engine/recording/sqlite_handles.h"
+#include "geometry/base/file_roles.h"
 #include "geometry/base/printable.h"
 #include "io/open_error.h"
 
@@ -263,6 +264,9 @@ RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = defaul
 RecordingReader::~RecordingReader() = default;
 
 Result<RecordingReader> RecordingReader::open(const std::string& path) {
+  for (const char* const ending : {"", "-wal"}) {  // the recording, and the log beside it
+    if (auto error = add_input(path + ending)) return *error;
+  }
   RecordingReader reader(std::make_unique<State>());
   reader.state_->path = path;
   if (auto error = reader.state_->open()) return *error;

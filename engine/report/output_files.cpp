@@ -13,6 +13,9 @@
 #include <unistd.h>
 #include <utility>
 
+#include "engine/report/output_lock.h"
+#include "geometry/base/file_roles.h"
+
 namespace palpate {
 
 // An open folder. A lock on it shows that the process that made the folder is alive; the lock ends
@@ -104,6 +107,7 @@ bool is_there(const fs::path& path) {
 struct OutputFiles::State {
   std::string folder;  // as the caller named it
   std::vector<std::string> names;
+  OutputLock use;                      // keeps other commands out of the folder
   std::vector<fs::path> made_folders;  // outermost first
   fs::path hidden;                     // empty: not created yet, or removed
   std::optional<FolderLock> lock;
@@ -122,9 +126,12 @@ struct OutputFiles::State {
   State& operator=(const State&) = delete;
 
   fs::path place_of(const std::string& name) const { return fs::path(folder) / name; }
+  // Makes the folder, and keeps other commands out of it.
+  std::optional<Error> take_folder();
   std::optional<Error> make_folder();
   std::optional<Error> check_names() const;
   std::optional<Error> make_hidden_folder();
+  int write_through() const;
   // Moves the existing files of these names from one folder to the other, in this order. Returns 0,
   // or errno of the first failure; `moved` receives the names of the moved files.
   static int move_all(const std::vector<std::string>& names, const fs::path& from,
@@ -150,8 +157,21 @@ std::optional<Error> OutputFiles::State::make_folder() {
   return std::nullopt;
 }
 
+std::optional<Error> OutputFiles::State::take_folder() {
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    if (auto error = make_folder()) return error;
+    auto taken = OutputLock::take(folder, FolderUse::kAlone);
+    if (!taken) return taken.error();
+    use = std::move(*taken);
+    if (use.is_at(folder)) return std::nullopt;
+    made_folders.clear();  // another command has removed the folder that it had made
+  }
+  return folder_error(folder, "other commands make and remove it");
+}
+
 std::optional<Error> OutputFiles::State::check_names() const {
   for (const std::string& name : names) {
+    if (auto error = add_output(place_of(name).string())) return error;
     std::error_code failed;
     const fs::file_status status = fs::symlink_status(place_of(name), failed);
     if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_symlink(status)) continue;
@@ -191,6 +211,19 @@ int OutputFiles::State::move_all(const std::vector<std::string>& names, const fs
   return 0;
 }
 
+// Writes the files to the disk, so that a loss of power after the move leaves no empty file.
+// Returns 0 or errno.
+int OutputFiles::State::write_through() const {
+  for (const std::string& name : names) {
+    const int descriptor = ::open((hidden / name).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) continue;  // not written
+    const int reason = ::fsync(descriptor) == 0 ? 0 : errno;
+    ::close(descriptor);
+    if (reason == EIO || reason == ENOSPC || reason == EDQUOT) return reason;
+  }
+  return 0;
+}
+
 OutputFiles::OutputFiles(std::unique_ptr<State> state) : state_(std::move(state)) {}
 OutputFiles::OutputFiles(OutputFiles&&) noexcept = default;
 OutputFiles& OutputFiles::operator=(OutputFiles&&) noexcept = default;
@@ -198,11 +231,22 @@ OutputFiles::~OutputFiles() = default;
 
 Result<OutputFiles> OutputFiles::create(const std::string& folder, std::vector<std::string> names) {
   auto state = std::make_unique<State>(folder, std::move(names));
-  if (auto error = state->make_folder()) return *error;
+  if (auto error = state->take_folder()) return *error;
   if (auto error = state->check_names()) return *error;
   remove_leftovers(folder);
   if (auto error = state->make_hidden_folder()) return *error;
   return OutputFiles(std::move(state));
+}
+
+void OutputFiles::pause() {
+  std::error_code ignored;
+  fs::remove_all(state_->hidden, ignored);
+  state_->hidden.clear();
+  state_->lock.reset();
+}
+
+std::optional<Error> OutputFiles::resume() {
+  return state_->make_hidden_folder();
 }
 
 std::string OutputFiles::path(const std::string& name) const {
@@ -220,6 +264,11 @@ Error OutputFiles::in_place(Error error) const {
 
 std::optional<Error> OutputFiles::move_into_place() {
   State& s = *state_;
+  // Again, because a file may have got its name while the command ran.
+  if (auto error = s.check_names()) return error;
+  if (const int reason = s.write_through()) {
+    return folder_error(s.folder, "cannot be written to: " + text_of(reason));
+  }
   const fs::path old = s.hidden / kOld;
   // The last name comes first and goes last: whenever the process is killed, the file of this name
   // is there only beside all others.

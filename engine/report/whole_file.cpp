@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/report/write_error.h"
+#include "geometry/base/file_roles.h"
 
 namespace palpate {
 namespace {
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kBufferBytes = 1u << 20;
 constexpr int kMaxNameAttempts = 100;
+constexpr int kMaxLinks = 40;  // as many as Linux follows
 constexpr std::string_view kPartEnding = ".part";
 
 // The writer locks the temporary file for as long as the writer is alive.
@@ -91,9 +93,7 @@ class WholeFile::Output {
       descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
       return descriptor_ >= 0 ? 0 : errno;
     }
-    // A link is kept; its target is replaced.
-    const fs::path target = fs::exists(status) ? fs::canonical(path_, code) : fs::path(path_);
-    target_path_ = code ? path_ : target.string();
+    if (const int reason = follow_links()) return reason;
     return open_part();
   }
 
@@ -115,6 +115,20 @@ class WholeFile::Output {
   }
 
  private:
+  // Finds the target: a link is kept; the file to which it leads is replaced, or made.
+  int follow_links() {
+    fs::path target(path_);
+    std::error_code code;
+    for (int links = 0; fs::is_symlink(fs::symlink_status(target, code)); ++links) {
+      if (links == kMaxLinks) return ELOOP;
+      const fs::path next = fs::read_symlink(target, code);
+      if (code) return code.value();
+      target = target.parent_path() / next;  // `next`, if it is absolute
+    }
+    target_path_ = target.string();
+    return 0;
+  }
+
   int open_part() {
     remove_leftovers(target_path_);
     for (int attempt = 0; attempt < kMaxNameAttempts; ++attempt) {
@@ -168,6 +182,7 @@ WholeFile& WholeFile::operator=(WholeFile&&) noexcept = default;
 WholeFile::~WholeFile() = default;
 
 Result<WholeFile> WholeFile::create(const std::string& path) {
+  if (auto error = add_output(path)) return *error;
   auto output = std::make_unique<Output>(path);
   if (const int reason = output->open()) return write_error(path, reason);
   return WholeFile(std::move(output));

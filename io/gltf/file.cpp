@@ -11,6 +11,7 @@
 #include <system_error>
 #include <unistd.h>
 
+#include "geometry/base/file_roles.h"
 #include "geometry/base/parallel.h"
 #include "io/gltf/error.h"
 #include "io/open_error.h"
@@ -126,6 +127,7 @@ Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_b
         ErrorCode::kFileUnreadable, path,
         S_ISDIR(status.st_mode) ? "is a folder; expected a file" : "is not a regular file");
   }
+  if (auto error = add_input(file.get(), path)) return *error;
   const auto size = static_cast<std::uint64_t>(status.st_size);
   if (size > max_bytes) {
     return file_error(ErrorCode::kLimitExceeded, path,
@@ -141,6 +143,13 @@ Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_b
   FileBytes bytes(std::min(size, wanted_bytes));
   if (auto error = read_fully(file.get(), path, bytes)) return *error;
   return bytes;
+}
+
+std::optional<Error> add_referenced_input(const std::string& folder, const std::string& uri) {
+  if (has_scheme(uri)) return std::nullopt;
+  const auto decoded = percent_decoded(uri);
+  if (!decoded || decoded->empty()) return std::nullopt;
+  return add_input((std::filesystem::path(folder) / *decoded).string());
 }
 
 Result<std::string> resolve_inside(const std::string& folder, const std::string& uri) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "geometry/base/fixed_array.h"
@@ -23,6 +24,10 @@ inline constexpr std::uint64_t kWholeFile = std::numeric_limits<std::uint64_t>::
 Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_bytes,
                                     std::uint64_t wanted_bytes = kWholeFile,
                                     MemoryLedger* memory = nullptr);
+
+// Makes the file that a URI of an asset names an input of the program (file_roles.h), whether it is
+// read or not. folder: the folder of the asset. Data URIs and missing files have no effect.
+std::optional<Error> add_referenced_input(const std::string& folder, const std::string& uri);
 
 // The file that a relative URI reference of an asset names, percent-decoded. folder: the folder of
 // the asset; the current directory is never used. Errors: a scheme, an absolute path, an invalid

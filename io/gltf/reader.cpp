@@ -388,6 +388,23 @@ class SceneReader {
   std::size_t morphed_meshes_ = 0;
 };
 
+// The files that the asset names are inputs, also those that nothing reads, such as colours.
+std::optional<Error> add_referenced_inputs(const Json& root, const std::string& folder) {
+  for (const char* const section : {"buffers", "images"}) {
+    const auto elements = root.find(section);
+    if (elements == root.end() || !elements->is_array()) continue;
+    for (const Json& element : *elements) {
+      if (!element.is_object()) continue;
+      const auto uri = element.find("uri");
+      if (uri == element.end() || !uri->is_string()) continue;
+      if (auto error = add_referenced_input(folder, uri->get_ref<const std::string&>())) {
+        return error;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 // As read_gltf_bytes(), but may throw, and Error::path is empty.
 Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const std::string& folder,
                                     const ReadOptions& options, MemoryLedger& ledger) {
@@ -407,6 +424,7 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
   auto root = parse_gltf_json(container->json, warnings);
   if (!root) return root.error();
   if (auto error = check_asset_version(*root)) return *error;
+  if (auto error = add_referenced_inputs(*root, folder)) return *error;
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
   auto sections = read_model(*root, container->json.size(), warnings);

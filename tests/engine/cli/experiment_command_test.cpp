@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <csignal>
+#include <fcntl.h>
 #include <filesystem>
 #include <map>
 #include <regex>
 #include <string>
+#include <sys/file.h>
 #include <unistd.h>
 #include <vector>
 
@@ -295,7 +297,8 @@ TEST_F(ExperimentCommandTest, AnInterruptedRunTellsHowToGoOn) {
     EXPECT_EQ(o.out, "");
     EXPECT_TRUE(std::regex_match(
         o.err, std::regex("palpate: interrupted; [12] of 3 participants are complete in " + out +
-                          "/parts, and the same command goes on from there\n")))
+                          "/parts(, with [1-3] trials? of other participants)?, and the same "
+                          "command goes on from there\n")))
         << o.err;
     EXPECT_TRUE(results(out).empty());
     expect_done({"run", "plan.json", "--jobs", "1", "--out", out});
@@ -332,16 +335,38 @@ TEST_F(ExperimentCommandTest, AFullDiskIsRefusedAndTheSameCommandGoesOn) {
   }
 }
 
-TEST_F(ExperimentCommandTest, TwoRunsInOneFolderAtTheSameTimeGiveTheSameBytes) {
-  const TemporaryFolder other;
-  other.write("plan.json", star_plan().dump());
-  const Arguments run = experiment({"run", folder.path("plan.json"), "--out", path("out")});
-  const StartedProgram first = start_program(folder, run);
-  const StartedProgram second = start_program(other, run);
-  for (const StartedProgram& started : {first, second}) {
-    const Outcome o = outcome_of(started);
-    EXPECT_EQ(o.exit_code, 0) << o.err;
+TEST_F(ExperimentCommandTest, EveryCommandIsRefusedInAFolderThatAnotherOneHas) {
+  expect_done({"run", "plan.json", "--out", "before"});
+  fs::create_directory(path("out"));
+  const int held = ::open(path("out").c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(::flock(held, LOCK_EX | LOCK_NB), 0);
+  for (const Arguments& arguments :
+       {Arguments{"run", "plan.json"}, Arguments{"run", "plan.json", "--shard", "1/2"},
+        Arguments{"run", "canonical"}, Arguments{"sweep", "sweep"}, Arguments{"merge", "before"},
+        Arguments{"analyse", "before/trials.csv"}, Arguments{"power"}}) {
+    Arguments more = arguments;
+    more.insert(more.end(), {"--out", "out"});
+    expect_refused(more, {"out: ", "--out", "is in use", "choose another folder"});
   }
+  const std::string star = PALPATE_MODELS_DIR "/star.glb";
+  for (const Arguments& arguments : {Arguments{"run", star, "--virtual"}, Arguments{"soak", star},
+                                     Arguments{"accuracy", "--quick", "--knob", "a4_step"}}) {
+    Arguments more = arguments;
+    more.insert(more.end(), {"--out", "out"});
+    const Outcome o = run_program(folder, more);
+    EXPECT_EQ(o.exit_code, 2);
+    EXPECT_NE(o.err.find("is in use"), std::string::npos) << o.err;
+  }
+  EXPECT_TRUE(contents_of(path("out")).empty());
+  fs::create_directories(path("compared/trials"));
+  const int trials = ::open(path("compared/trials").c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(::flock(trials, LOCK_EX | LOCK_NB), 0);
+  const Outcome o = run_program(folder, {"compare", star, "--out", "compared"});
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_NE(o.err.find("is in use"), std::string::npos) << o.err;
+  ::close(held);
+  ::close(trials);
+  expect_done({"run", "plan.json", "--out", "out"});
   EXPECT_EQ(results("out"), reference());
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Progress is one line that fits the terminal; without a terminal no progress is shown.
+"""Progress is one line that fits the terminal; in a log it is a line now and then.
 
 terminal_test.py PALPATE MODELS_DIR
 
@@ -113,8 +113,8 @@ def check_experiments(palpate, models, folder):
     os.write(terminal.end, b"\x03")
     code, out = terminal.finish()
     check(code == 130 and out == "", f"exit code {code}: {terminal.text!r} {out!r}")
-    check(re.search(r"palpate: interrupted; \d+ of 1000 participants are complete in cut/parts, "
-                    "and the same command goes on from there", terminal.text), f"{terminal.text!r}")
+    check(re.search(r"palpate: interrupted; \d+ of 1000 participants are complete in cut/parts(, with "
+                    "\d+ trials? of other participants)?, and the same command goes on from there", terminal.text), f"{terminal.text!r}")
     check(not (pathlib.Path(folder) / "cut" / "trials.csv").exists(), "results of half a plan")
 
 
@@ -148,6 +148,12 @@ def main():
                                 "--seconds", "4"], cwd=folder, capture_output=True, text=True)
         check(quiet.returncode in DONE, f"exit code {quiet.returncode}: {quiet.stderr}")
         check("\r" not in quiet.stderr and "of 4.0 s" not in quiet.stderr, quiet.stderr)
+        # A long command in a log; JSON on stdout stays JSON.
+        log = subprocess.run([str(palpate), "soak", str(models / "star.glb"), "--minutes", "0.2",
+                              "--json", "--out", "log"], cwd=folder, capture_output=True, text=True)
+        check(log.returncode == 0 and json.loads(log.stdout), f"{log.returncode}: {log.stderr}")
+        check("\r" not in log.stderr, log.stderr)
+        check(re.search(r"^palpate: soak, \d+ s left, \d+ % done$", log.stderr, re.M), log.stderr)
 
 
 main()

@@ -226,7 +226,8 @@ TEST(ComparePlan, AllStrategiesMeetTheSameNoise) {
   };
   for (int participant = 1; participant <= 3; ++participant) {
     hand = std::to_string(participant) + " ";
-    ASSERT_TRUE(run_participant(*plan, *scenes, functions, participant, "", [] { return true; }));
+    UnitTrials trials;
+    ASSERT_TRUE(run_participant(*plan, *scenes, functions, participant, "", trials));
   }
   EXPECT_EQ(strategies.size(), 9u);
   EXPECT_EQ(seeds.size(), 2u * 3u);

@@ -42,8 +42,8 @@ TEST(GoldenTrials, KeepTheBytesOfTheirOldColumns) {
   ASSERT_TRUE(scenes.ok()) << scenes.error().to_string();
   std::string old_columns;
   for (const int participant : {1, 2}) {
-    const auto run =
-        run_participant(*plan, *scenes, functions, participant, "", [] { return true; });
+    UnitTrials trials;
+    const auto run = run_participant(*plan, *scenes, functions, participant, "", trials);
     ASSERT_TRUE(run.ok());
     std::string_view rows = (*run)->rows;
     for (std::size_t end = rows.find('\n'); end != std::string_view::npos; end = rows.find('\n')) {

@@ -175,7 +175,8 @@ std::vector<std::pair<TrialRow, Given>> run_given(const ExperimentPlan& plan, in
   };
   const auto scenes = load_experiment_scenes(plan, functions);
   EXPECT_TRUE(scenes.ok()) << scenes.error().to_string();
-  const auto run = run_participant(plan, *scenes, functions, participant, "", [] { return true; });
+  UnitTrials trials;
+  const auto run = run_participant(plan, *scenes, functions, participant, "", trials);
   EXPECT_TRUE(run.ok());
   const auto rows = parse_trials(trials_columns() + "\n" + (*run)->rows, "trials.csv");
   EXPECT_TRUE(rows.ok()) << rows.error().to_string();

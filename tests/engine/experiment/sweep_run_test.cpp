@@ -387,6 +387,20 @@ TEST(SweepRun, ShardsThatAreKilledAndStartedAgainGiveTheSameBytes) {
   }
 }
 
+TEST(SweepRun, AKilledRunKeepsEachFinishedTrial) {
+  const TemporaryFolder folder;
+  // In the second point, whose first participant has ended.
+  constexpr std::size_t kFinished = 12 + 7;
+  EXPECT_FALSE(run_in_child([&] {
+    return run_sweep(quick_sweep(), {folder.path(), {}, 1}, deadly_sweep_trials(kFinished + 1))
+        .ok();
+  }));
+  const SweepOutcome again = sweep_into(folder.path());
+  EXPECT_EQ(again.kept, (std::vector<int>{1}));
+  EXPECT_EQ(again.kept_trials, 7u);
+  EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
+}
+
 TEST(SweepRun, KilledBetweenAnyTwoRenamesOfResultsIsCompletedByAnotherMerge) {
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
@@ -424,8 +438,8 @@ TEST(SweepRun, AStopLeavesCompletePointsOnly) {
   EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
 }
 
-// A point counts in the progress with its trials, and the time left is known after the first one.
-TEST(SweepRun, ReportsProgressAndTheTimeLeft) {
+// A point counts in the progress with its trials.
+TEST(SweepRun, ReportsProgress) {
   const TemporaryFolder folder;
   std::vector<RunProgress> shown;
   const auto outcome =
@@ -434,7 +448,7 @@ TEST(SweepRun, ReportsProgressAndTheTimeLeft) {
   ASSERT_TRUE(outcome.ok());
   ASSERT_FALSE(shown.empty());
   for (const RunProgress& progress : shown) {
-    EXPECT_EQ(progress.time_left_s.has_value(), progress.share > 0.0);
+    EXPECT_EQ(progress.found, 0.0);
     EXPECT_LE(progress.share, 1.0);
   }
   EXPECT_GT(shown.back().share, 0.5);
@@ -456,34 +470,6 @@ TEST(SweepRun, AnotherSweepOrAnExperimentInTheFolderIsReplaced) {
   EXPECT_FALSE(fs::exists(folder.path(kTrialsFile)));
   EXPECT_FALSE(fs::exists(folder.path("columns.csv")));
   EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
-}
-
-TEST(SweepRun, NoResultReplacesTheFileOfTheSweep) {
-  for (const std::string& name : sweep_result_names()) {
-    const TemporaryFolder folder;
-    folder.write(name, quick_sweep_json().dump());
-    Sweep sweep = quick_sweep();
-    sweep.path = folder.path("./" + name);
-    TrialFunctions functions = sweep_stand_in();
-    int trials = 0;
-    functions.run = [&, run = functions.run](auto&&... arguments) {
-      ++trials;
-      return run(arguments...);
-    };
-    const auto outcome = run_sweep(sweep, {folder.path(), {}, 1}, functions);
-    ASSERT_FALSE(outcome.ok()) << name;
-    EXPECT_EQ(outcome.error().path, sweep.path);
-    EXPECT_NE(outcome.error().problem.find(name), std::string::npos) << outcome.error().problem;
-    EXPECT_EQ(trials, 0);
-    EXPECT_EQ(text_in(folder.path(name)), quick_sweep_json().dump());
-  }
-  // Another name is no result: the sweep stays beside its results.
-  const TemporaryFolder folder;
-  folder.write("sweep.json", quick_sweep_json().dump());
-  Sweep sweep = quick_sweep();
-  sweep.path = folder.path("sweep.json");
-  sweep_into(folder.path(), {}, 1, sweep);
-  EXPECT_EQ(text_in(folder.path("sweep.json")), quick_sweep_json().dump());
 }
 
 TEST(SweepRun, WarnsIfNoTrialWasDone) {

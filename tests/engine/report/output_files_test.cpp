@@ -2,6 +2,7 @@
 
 #include "engine/report/output_files.h"
 
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -196,8 +197,38 @@ TEST_F(OutputFilesTest, ReportErrorsUnderTheFinalPath) {
             "scene.glb");
 }
 
-// Two concurrent commands do not affect each other; the last one to finish determines the content.
-TEST_F(OutputFilesTest, FromTwoCommandsAreNotMixed) {
+// The lock of a folder is one of a process: a child process that is forked, but runs no other
+// program, has the locks of its parent.
+TEST_F(OutputFilesTest, AreRefusedWhileAnotherProcessHasTheFolder) {
+  fs::create_directory(folder.path("out"));
+  fs::create_directory_symlink("out", folder.path("link"));
+  std::array<int, 2> locked{};
+  ASSERT_EQ(::pipe(locked.data()), 0);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const OutputFiles files = created("out");
+    [[maybe_unused]] const auto told = ::write(locked[1], "x", 1);
+    ::pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(::read(locked[0], &byte, 1), 1);
+  const Tree before = tree();
+  for (const char* const name : {"out", "./out/", "link"}) {
+    const auto refused = OutputFiles::create(folder.path(name), kNames);
+    ASSERT_FALSE(refused) << name;
+    EXPECT_EQ(refused.error().path, folder.path(name));
+    EXPECT_NE(refused.error().problem.find("is in use"), std::string::npos);
+  }
+  EXPECT_EQ(tree(), before);
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(OutputFiles::create(folder.path("link"), kNames)) << "the lock ends with the process";
+}
+
+// Two sets of files of one process do not affect each other; the last one determines the content.
+TEST_F(OutputFilesTest, FromTwoPartsOfAProcessAreNotMixed) {
   OutputFiles first = created("out");
   write(first.path("a.csv"), "first");
   write(first.path("b.csv"), "first");
@@ -207,6 +238,17 @@ TEST_F(OutputFilesTest, FromTwoCommandsAreNotMixed) {
   ASSERT_FALSE(first.move_into_place());
   ASSERT_FALSE(second.move_into_place());
   EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "second"}}));
+}
+
+TEST_F(OutputFilesTest, LeaveNothingInTheFolderWhileTheyArePaused) {
+  fs::create_directory(folder.path("out"));
+  OutputFiles files = created("out");
+  files.pause();
+  EXPECT_EQ(tree(), (Tree{{"out", "/"}}));
+  ASSERT_FALSE(files.resume());
+  write(files.path("a.csv"), "1");
+  ASSERT_FALSE(files.move_into_place());
+  EXPECT_EQ(tree(), (Tree{{"out", "/"}, {"out/a.csv", "1"}}));
 }
 
 TEST_F(OutputFilesTest, FromAKilledCommandAreRemovedByTheNext) {

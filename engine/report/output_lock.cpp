@@ -1,0 +1,116 @@
+#include "engine/report/output_lock.h"
+
+#include <cerrno>
+#include <fcntl.h>
+#include <map>
+#include <mutex>
+#include <set>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+using FolderId = std::pair<dev_t, ino_t>;
+
+std::string reason_text(int reason) {
+  return std::error_code(reason, std::generic_category()).message();
+}
+
+Error lock_error(const std::string& folder, std::string problem, std::string hint) {
+  return {ErrorCode::kFileUnwritable, folder, "`OutputFiles::folder`", std::move(problem),
+          std::move(hint)};
+}
+
+}  // namespace
+
+struct OutputLock::Held {
+  Held(int descriptor_given, FolderId id_given) : descriptor(descriptor_given), id(id_given) {}
+  ~Held() { ::close(descriptor); }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+
+  // Returns 0 or errno.
+  int lock(FolderUse wanted) {
+    int code = 0;
+    do {
+      code = ::flock(descriptor, (wanted == FolderUse::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB);
+    } while (code != 0 && errno == EINTR);
+    if (code != 0) return errno;
+    use = wanted;
+    return 0;
+  }
+
+  int descriptor;
+  FolderId id;
+  FolderUse use = FolderUse::kShared;
+};
+
+namespace {
+
+// The locks of this process, and the folders without one.
+struct ProcessLocks {
+  std::mutex mutex;
+  std::map<FolderId, std::weak_ptr<void>> held;
+  std::set<std::string> unlocked;
+
+  void add_unlocked(const std::string& folder, int reason) {
+    unlocked.insert(folder + " cannot be locked (" + reason_text(reason) +
+                    "); make sure that no other command writes there");
+  }
+};
+
+ProcessLocks& process_locks() {
+  static ProcessLocks locks;
+  return locks;
+}
+
+}  // namespace
+
+Result<OutputLock> OutputLock::take(const std::string& folder, FolderUse use) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0 && errno != EACCES) {
+    return lock_error(folder, "cannot be opened: " + reason_text(errno),
+                      "name a folder that can be written to");
+  }
+  ProcessLocks& locks = process_locks();
+  const std::lock_guard guard(locks.mutex);
+  if (descriptor < 0) {  // it can be written to, but not read
+    locks.add_unlocked(folder, EACCES);
+    return OutputLock();
+  }
+  struct stat status = {};
+  ::fstat(descriptor, &status);
+  auto opened = std::make_shared<Held>(descriptor, FolderId(status.st_dev, status.st_ino));
+  auto held = std::static_pointer_cast<Held>(locks.held[opened->id].lock());
+  if (held && (held->use == FolderUse::kAlone || use == FolderUse::kShared)) {
+    return OutputLock(std::move(held));
+  }
+  if (!held) held = std::move(opened);
+  const int reason = held->lock(use);
+  if (reason == EWOULDBLOCK) {
+    held->lock(FolderUse::kShared);  // a failed change from shared to alone loses the lock
+    return lock_error(folder, "is in use: another command is writing its results there",
+                      "wait until that command has ended, or choose another folder");
+  }
+  if (reason != 0) locks.add_unlocked(folder, reason);
+  locks.held[held->id] = held;
+  return OutputLock(std::move(held));
+}
+
+bool OutputLock::is_at(const std::string& folder) const {
+  struct stat there = {};
+  return !held_ ||
+         ::stat(folder.c_str(), &there) == 0 && held_->id == FolderId(there.st_dev, there.st_ino);
+}
+
+std::vector<std::string> unlocked_folders() {
+  ProcessLocks& locks = process_locks();
+  const std::lock_guard guard(locks.mutex);
+  return {locks.unlocked.begin(), locks.unlocked.end()};
+}
+
+}  // namespace palpate
