@@ -1,5 +1,6 @@
 // The subcommand `view`: a page in the browser shows what the haptic thread does.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <sys/resource.h>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -18,6 +20,7 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/open_browser.h"
 #include "engine/cli/prepared_run.h"
+#include "engine/cli/private_output.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_on_device.h"
 #include "engine/cli/run_recording.h"
@@ -41,11 +44,12 @@ constexpr std::uint64_t kMostPort = 65535;
 struct ViewRequest {
   RunRequest run;
   ServerSettings server;
+  std::vector<std::string> origins;  // as given; server.allowed.origins once they are checked
   bool opens_browser = false;
   bool prints_licences = false;
 };
 
-// As a browser writes it.
+// As a browser writes it, on this machine.
 std::string address_of(const ViewRequest& request, const ViewServer& server) {
   std::string host = request.server.address;
   if (host == "0.0.0.0" || host == "::") host = "localhost";
@@ -67,19 +71,55 @@ void warn(const std::string& warning) {
 }
 
 std::optional<Error> check_hosts(const std::vector<std::string>& hosts) {
-  for (const std::string& host : hosts) {
-    const auto name = host_name(host);
-    if (name && name->size() == host.size()) continue;
-    return invalid_argument("--allow-host", "is \"" + host +
+  for (const std::string& text : hosts) {
+    const auto host = parse_host(text);
+    if (host && !host->port) continue;
+    return invalid_argument("--allow-host", "is \"" + text +
                                                 "\"; expected a host's name or address without a "
                                                 "port, such as desk.example or [2001:db8::1]");
   }
   return std::nullopt;
 }
 
+std::optional<Error> take_origins(ViewRequest& request) {
+  for (const std::string& text : request.origins) {
+    const auto origin = parse_origin(text);
+    if (!origin) {
+      return invalid_argument(
+          "--allow-origin", "is \"" + text +
+                                "\"; expected the scheme, host and port of a page, without a "
+                                "path, such as https://desk.example or https://desk.example:8443");
+    }
+    request.server.allowed.origins.push_back(*origin);
+  }
+  return std::nullopt;
+}
+
+// Each connection is an open file. What the system allows a process at first is often less than a
+// crowd of strangers holds.
+void allow_many_files() {
+  constexpr rlim_t kEnough = 4096;
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) return;
+  files.rlim_cur = std::min(kEnough, files.rlim_max);
+  ::setrlimit(RLIMIT_NOFILE, &files);  // the server lives with fewer
+}
+
+// The address on this machine is the first line.
+void print_addresses(const ViewRequest& request, const ViewServer& server) {
+  const auto told = make_output_private();
+  std::cout << address_of(request, server) << std::endl;
+  for (const WebOrigin& origin : request.server.allowed.origins) {
+    std::cout << "through a proxy: " << origin.text() << "/#" << server.token().text()
+              << " (with the proxy's path before #)" << std::endl;
+  }
+  if (told) warn(*told);
+}
+
 // Serves until a signal. The force is zero before anything that may wait for a client.
 std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
                            ViewSession& session) {
+  allow_many_files();
   const auto server = ViewServer::listen(request.server, page, session);
   if (!server) {
     Error error = server.error();
@@ -90,7 +130,7 @@ std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
     warn(
         "--listen: others on the network can reach this server; its address and token are not "
         "encrypted");
-    if (request.server.allowed_hosts.empty()) {
+    if (request.server.allowed.hosts.empty() && request.server.allowed.origins.empty()) {
       warn(
           "--listen: a browser is refused unless it reaches the server as localhost; name the host "
           "of other addresses with --allow-host");
@@ -98,12 +138,11 @@ std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
   }
   (*server)->start();
   if (auto error = session.start()) return error;
-  const std::string address = address_of(request, **server);
-  std::cout << address << std::endl;
+  print_addresses(request, **server);
   for (const std::string& warning : session.warnings()) warn(warning);
   std::unique_ptr<OpenedBrowser> browser;
   if (request.opens_browser) {
-    auto opened = OpenedBrowser::open(address);
+    auto opened = OpenedBrowser::open(address_of(request, **server));
     if (opened) {
       browser = std::move(*opened);
     } else {
@@ -227,9 +266,15 @@ void ViewCommand::add_page(CLI::App& app) {
                  "the network")
       ->capture_default_str()
       ->group(kPageGroup);
-  app.add_option("--allow-host", server.allowed_hosts,
+  app.add_option("--allow-host", server.allowed.hosts,
                  "a host name under which a browser may reach the server, besides localhost, "
                  "127.0.0.1 and [::1]; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->group(kPageGroup);
+  app.add_option("--allow-origin", request_.origins,
+                 "the origin of a page that a reverse proxy serves, such as https://desk.example; "
+                 "may be repeated")
       ->expected(1)
       ->take_all()
       ->group(kPageGroup);
@@ -255,7 +300,8 @@ int ViewCommand::run(const std::vector<std::string>& /*arguments*/) {
   };
   if (const auto error = check_strategy_options(is_given)) return refuse(*error);
   if (const auto error = check_device_options(request_.run, is_given)) return refuse(*error);
-  if (const auto error = check_hosts(request_.server.allowed_hosts)) return refuse(*error);
+  if (const auto error = check_hosts(request_.server.allowed.hosts)) return refuse(*error);
+  if (const auto error = take_origins(request_)) return refuse(*error);
   take_strategy(request_.run);
   if (const auto error = check_recording_names({request_.run.record})) return refuse(*error);
   return request_.run.device.text.empty() ? view(request_, nullptr, is_given)

@@ -2,6 +2,7 @@
 
 // One HTTP connection: one request, one answer, or the way to a WebSocket.
 
+#include <array>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
@@ -12,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/viewer/connection_places.h"
 #include "engine/viewer/http_rules.h"
 #include "engine/viewer/live_client.h"
 #include "engine/viewer/view_stream.h"
@@ -26,11 +28,21 @@ struct HttpContent {
   std::shared_ptr<const void> owner = nullptr;
 };
 
+// What a connection has shown of itself.
+enum class ConnectionKind : std::uint8_t {
+  kSilent,   // no whole request yet
+  kAsking,   // a request that anybody may make, a handshake before its token among them
+  kTrusted,  // a request with the token
+};
+
 // What the server does for its connections. All on the network thread.
 class HttpHost {
  public:
   virtual ~HttpHost() = default;
   virtual HttpVerdict judge(const HttpHead& head) = 0;
+  virtual const std::vector<WebOrigin>& origins() const = 0;
+  // See ConnectionPlaces::take().
+  virtual ConnectionPlaces::Place take_place(ConnectionKind kind, std::function<void()> drop) = 0;
   // Calls answer(content) now or later, on the network thread.
   virtual void find(Resource resource, bool accepts_gzip,
                     std::function<void(HttpContent)> answer) = 0;
@@ -41,20 +53,24 @@ class HttpHost {
 // object lives as long as an operation runs.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
-  // connection: counts as a connection while it exists.
-  HttpConnection(Stream stream, HttpHost& host, std::shared_ptr<void> connection);
+  HttpConnection(Stream stream, HttpHost& host);
 
   void read();
 
  private:
+  void read_header();
   void on_read(beast::error_code error);
   void answer();
+  void upgrade();
   void refuse(int status, std::string_view reason);
   void send(int status, HttpContent content);
+  void write_answer();
+  void linger();
+  void take_place(ConnectionKind kind);
 
   Stream stream_;
   HttpHost& host_;
-  std::shared_ptr<void> connection_;
+  ConnectionPlaces::Place place_;
   beast::flat_buffer buffer_;
   beast::http::request_parser<beast::http::empty_body> parser_;
   std::string host_header_;  // once judge() has accepted it
@@ -62,6 +78,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   using Body = beast::http::span_body<const char>;
   beast::http::response<Body> response_;
   std::optional<beast::http::response_serializer<Body>> serializer_;
+  std::size_t ignored_bytes_ = 0;  // that came behind the request
 };
 
 }  // namespace palpate

@@ -20,53 +20,33 @@ constexpr std::array<std::string_view, 3> kLoopback = {"localhost", "127.0.0.1",
 
 constexpr std::string_view kBearer = "Bearer ";
 
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
+enum class HostKind : std::uint8_t { kForeign, kOwn, kOfProxy };
 
-std::string lowered(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(), lower);
-  return result;
-}
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-
-bool is_name_character(char c) {
-  return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'z') || c == '-' || c == '.' || c == '_';
-}
-
-bool is_address_character(char c) {
-  return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'f') || c == ':' || c == '.';
-}
-
-bool is_host(std::string_view name) {
-  if (name.size() > 2 && name.front() == '[' && name.back() == ']') {
-    name = name.substr(1, name.size() - 2);
-    return std::all_of(name.begin(), name.end(), is_address_character);
+HostKind kind_of(const WebHost& host, const AllowedNames& allowed) {
+  const auto is_name = [&](std::string_view name) { return host_name(name) == host.name; };
+  if (std::any_of(kLoopback.begin(), kLoopback.end(), is_name) ||
+      std::any_of(allowed.hosts.begin(), allowed.hosts.end(), is_name)) {
+    return HostKind::kOwn;
   }
-  return !name.empty() && std::all_of(name.begin(), name.end(), is_name_character);
+  const bool is_of_proxy = std::any_of(allowed.origins.begin(), allowed.origins.end(),
+                                       [&](const WebOrigin& o) { return o.host == host.name; });
+  return is_of_proxy ? HostKind::kOfProxy : HostKind::kForeign;
 }
 
-bool may_serve(std::string_view host, const std::vector<std::string>& allowed_hosts) {
-  const auto name = host_name(host);
-  if (!name) return false;
-  const auto is_name = [&](std::string_view allowed) { return lowered(allowed) == *name; };
-  return std::any_of(kLoopback.begin(), kLoopback.end(), is_name) ||
-         std::any_of(allowed_hosts.begin(), allowed_hosts.end(), is_name);
-}
-
-bool is_own_page(const HttpHead& head) {
+bool is_own_page(const HttpHead& head, const WebHost& host, HostKind kind,
+                 const AllowedNames& allowed) {
   if (head.origins.empty()) return !head.upgrades;
-  constexpr std::string_view kScheme = "http://";
-  const std::string_view origin = head.origins.front();
-  return head.origins.size() == 1 && origin.starts_with(kScheme) &&
-         origin.substr(kScheme.size()) == head.hosts.front();
+  if (head.origins.size() != 1) return false;
+  const auto origin = parse_origin(head.origins.front());
+  if (!origin) return false;
+  const auto& origins = allowed.origins;
+  if (std::find(origins.begin(), origins.end(), *origin) != origins.end()) return true;
+  const WebOrigin own{false, host.name, host.port.value_or(kPortOfHttp)};
+  return kind == HostKind::kOwn && *origin == own;
 }
 
 bool has_token(const HttpHead& head, const Token& token) {
+  if (!head.tokens.empty()) return head.tokens.size() == 1 && token.equals(head.tokens.front());
   return head.authorizations.size() == 1 && head.authorizations.front().starts_with(kBearer) &&
          token.equals(head.authorizations.front().substr(kBearer.size()));
 }
@@ -74,32 +54,27 @@ bool has_token(const HttpHead& head, const Token& token) {
 }  // namespace
 
 std::optional<std::string> host_name(std::string_view host) {
-  constexpr std::size_t kMostDigits = 5;
-  std::string_view name = host;
-  const std::size_t bracket = host.rfind(']');
-  const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
-  if (colon != std::string_view::npos) {
-    const std::string_view port = host.substr(colon + 1);
-    if (port.empty() || port.size() > kMostDigits ||
-        !std::all_of(port.begin(), port.end(), is_digit)) {
-      return std::nullopt;
-    }
-    name = host.substr(0, colon);
-  }
-  if (!is_host(name)) return std::nullopt;
-  return lowered(name);
+  auto parsed = parse_host(host);
+  if (!parsed) return std::nullopt;
+  return std::move(parsed->name);
 }
 
-HttpVerdict judge(const HttpHead& head, const Token& token,
-                  const std::vector<std::string>& allowed_hosts) {
+HttpVerdict judge(const HttpHead& head, const Token& token, const AllowedNames& allowed) {
   const auto refused = [](int status, std::string_view reason) {
     return HttpVerdict{status, Resource::kPage, reason};
   };
-  if (head.hosts.size() != 1 || !may_serve(head.hosts.front(), allowed_hosts)) {
+  const auto host = head.hosts.size() == 1 ? parse_host(head.hosts.front()) : std::nullopt;
+  const HostKind kind = host ? kind_of(*host, allowed) : HostKind::kForeign;
+  if (kind == HostKind::kForeign) {
     return refused(403, "the Host is not a loopback name (--allow-host permits others)");
   }
-  if (!is_own_page(head)) return refused(403, "the Origin is not this server");
-  if (head.method != "GET") return refused(405, "only GET is answered");
+  if (!is_own_page(head, *host, kind, allowed)) {
+    return refused(403, "the Origin is not this server (--allow-origin permits that of a proxy)");
+  }
+  const bool is_get = head.method == "GET";
+  if (!is_get && (head.method != "HEAD" || head.upgrades)) {
+    return refused(405, "only GET and HEAD are answered");
+  }
   const auto found = std::find_if(kTargets.begin(), kTargets.end(),
                                   [&](const auto& t) { return t.first == head.target; });
   if (found == kTargets.end()) return refused(404, "nothing has this name");
@@ -108,15 +83,19 @@ HttpVerdict judge(const HttpHead& head, const Token& token,
     return refused(426, "/live is a WebSocket");
   }
   if (resource != Resource::kLive && head.upgrades) return refused(404, "only /live upgrades");
-  const bool is_secret = resource == Resource::kScene || resource == Resource::kFullScene;
-  if (is_secret && !has_token(head, token)) return refused(401, "the token is missing or wrong");
+  if (is_secret(resource) && !has_token(head, token)) {
+    return refused(401, "the token is missing or wrong");
+  }
   return {200, resource, ""};
 }
 
-std::vector<std::pair<std::string, std::string>> safety_headers(std::string_view host) {
+std::vector<std::pair<std::string, std::string>> safety_headers(
+    std::string_view host, const std::vector<WebOrigin>& origins) {
   std::string policy =
       "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'";
   if (!host.empty()) policy += " ws://" + std::string(host);
+  // Not every browser counts wss:// of the page's host as 'self'.
+  for (const WebOrigin& origin : origins) policy += " " + origin.socket_text();
   policy += "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
   return {{"Content-Security-Policy", std::move(policy)},
           {"X-Content-Type-Options", "nosniff"},
@@ -126,10 +105,14 @@ std::vector<std::pair<std::string, std::string>> safety_headers(std::string_view
           {"Cache-Control", "no-store"}};
 }
 
+bool may_begin_request(char first) {
+  return first > ' ' && first <= '~';
+}
+
 bool accepts_gzip(std::string_view accept_encoding) {
   while (!accept_encoding.empty()) {
     const std::size_t comma = accept_encoding.find(',');
-    std::string coding = lowered(accept_encoding.substr(0, comma));
+    std::string coding = lower_case(accept_encoding.substr(0, comma));
     coding.erase(std::remove(coding.begin(), coding.end(), ' '), coding.end());
     if (coding == "gzip" || (coding.starts_with("gzip;q=") &&
                              coding.find_first_of("123456789", 7) != std::string::npos)) {

@@ -5,7 +5,6 @@
 #include <boost/beast/http/fields.hpp>
 #include <utility>
 
-#include "engine/viewer/http_rules.h"
 #include "engine/viewer/view_server.h"
 
 namespace palpate {
@@ -19,10 +18,9 @@ constexpr auto kPatienceAtClose = std::chrono::seconds(2);
 
 }  // namespace
 
-LiveClient::LiveClient(Stream stream, LiveHost& host, std::shared_ptr<void> connection)
-    : socket_(std::move(stream)), host_(host), connection_(std::move(connection)) {}
+LiveClient::LiveClient(Stream stream, LiveHost& host) : socket_(std::move(stream)), host_(host) {}
 
-void LiveClient::accept(const Request& request, std::string host_header) {
+void LiveClient::accept(const Request& request, Headers headers) {
   Stream& stream = socket_.next_layer();
   stream.expires_never();  // the WebSocket has timers of its own
   beast::error_code ignored;
@@ -33,14 +31,14 @@ void LiveClient::accept(const Request& request, std::string host_header) {
       std::chrono::seconds(ServerLimits::kHandshake_s), std::chrono::seconds(ServerLimits::kIdle_s),
       /* keep_alive_pings = */ true});
   socket_.set_option(
-      websocket::stream_base::decorator([host = std::move(host_header)](auto& response) {
-        for (const auto& [name, value] : safety_headers(host)) response.set(name, value);
+      websocket::stream_base::decorator([headers = std::move(headers)](auto& response) {
+        for (const auto& [name, value] : headers) response.set(name, value);
       }));
   socket_.read_message_max(ServerLimits::kTokenBytes);
   socket_.auto_fragment(false);
   begin_ = std::chrono::steady_clock::now();
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
-    if (error) return self->end();
+    if (error) return self->drop();
     self->is_open_ = true;
     self->bytes_at_message_ = self->socket_.next_layer().rate_policy().read_bytes();
     self->host_.on_open(self);
@@ -59,7 +57,7 @@ void LiveClient::read() {
 }
 
 void LiveClient::on_read(beast::error_code error, std::size_t /*bytes*/) {
-  if (error) return end();
+  if (error) return drop();
   bytes_at_message_ = socket_.next_layer().rate_policy().read_bytes();
   const std::string_view message(static_cast<const char*>(input_.data().data()), input_.size());
   if (!is_closing_) host_.on_message(*this, message, socket_.got_text());
@@ -118,7 +116,7 @@ void LiveClient::write() {
 
 void LiveClient::on_written(beast::error_code error) {
   is_writing_ = false;
-  if (error) return end();
+  if (error) return drop();
   write();
 }
 
@@ -141,7 +139,7 @@ void LiveClient::close(std::uint16_t code, std::string reason) {
 void LiveClient::begin_close() {
   if (!close_reason_) return;
   const websocket::close_reason reason = *std::exchange(close_reason_, std::nullopt);
-  socket_.async_close(reason, [self = shared_from_this()](beast::error_code) { self->end(); });
+  socket_.async_close(reason, [self = shared_from_this()](beast::error_code) { self->drop(); });
 }
 
 void LiveClient::check(std::chrono::steady_clock::time_point now) {
@@ -154,16 +152,13 @@ void LiveClient::check(std::chrono::steady_clock::time_point now) {
   if (read_bytes - bytes_at_message_ > ServerLimits::kUnfinishedBytes) drop();
 }
 
+// Closes the socket, too: a message in flight to a client that has gone would keep it open.
 void LiveClient::drop() {
-  beast::error_code ignored;
-  socket_.next_layer().socket().close(ignored);
-  end();
-}
-
-void LiveClient::end() {
   if (std::exchange(has_ended_, true)) return;
   const auto self = shared_from_this();  // the host forgets this object
-  connection_.reset();
+  beast::error_code ignored;
+  socket_.next_layer().socket().close(ignored);
+  place_ = {};
   host_.on_end(*this);
 }
 

@@ -13,7 +13,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "engine/viewer/connection_places.h"
 #include "engine/viewer/view_stream.h"
 
 namespace palpate {
@@ -44,10 +47,14 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
  public:
   using Request = beast::http::request<beast::http::empty_body>;
 
-  LiveClient(Stream stream, LiveHost& host, std::shared_ptr<void> connection);
+  using Headers = std::vector<std::pair<std::string, std::string>>;
 
-  // Answers the handshake, which the server has judged. host_header: its Host.
-  void accept(const Request& request, std::string host_header);
+  LiveClient(Stream stream, LiveHost& host);
+
+  // Holds this place until the client ends or holds another one.
+  void hold(ConnectionPlaces::Place place) { place_ = std::move(place); }
+  // Answers the handshake, which the server has judged, with these headers.
+  void accept(const Request& request, Headers headers);
 
   // Sends a JSON message. A client that does not read its texts is closed.
   void send(std::string text);
@@ -61,8 +68,10 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   // Closes a client that is late: it has not sent its token, sends what is no message, or does not
   // read that it was closed.
   void check(std::chrono::steady_clock::time_point now);
-  // Closes the socket at once.
+  // Ends the connection at once.
   void drop();
+  // True from the call of close() or drop() on.
+  bool is_closing() const { return is_closing_ || has_ended_; }
 
   // The server's notes about this client.
   bool has_token = false;
@@ -80,11 +89,10 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   void write();
   void on_written(beast::error_code error);
   void begin_close();
-  void end();
 
   beast::websocket::stream<Stream> socket_;
   LiveHost& host_;
-  std::shared_ptr<void> connection_;  // counts as a connection while it exists
+  ConnectionPlaces::Place place_;
   beast::flat_buffer input_;
   std::string output_;
   std::deque<std::string> texts_;

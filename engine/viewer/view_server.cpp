@@ -9,6 +9,7 @@
 #include <functional>
 #include <optional>
 #include <pthread.h>
+#include <sys/resource.h>
 #include <thread>
 #include <utility>
 
@@ -33,6 +34,12 @@ constexpr auto kLookFor = std::chrono::milliseconds(20);
 constexpr auto kPatienceAtStop = std::chrono::milliseconds(700);
 constexpr std::size_t kKeptTicks = 16384;  // for clients that are late
 constexpr auto kRetryAccept = std::chrono::milliseconds(100);
+// While strangers crowd, each of them has its place for at least kStrangers times this long, and
+// they cost this thread little.
+constexpr auto kAcceptWhenFull = std::chrono::microseconds(250);
+// Files that the rest of the process may need while it serves, among them those of the pages.
+constexpr rlim_t kOtherFiles = 128;
+constexpr std::size_t kFewestStrangers = 8;
 
 constexpr std::uint16_t kGoingAway = 1001;
 constexpr std::uint16_t kPolicy = 1008;
@@ -51,6 +58,15 @@ std::string event_text(const char* kind, const std::string& text) {
 std::string with_control(std::string object, bool in_control) {
   object.pop_back();
   return object + ",\"control\":" + (in_control ? "true}" : "false}");
+}
+
+// How many connections of each of two kinds may be open.
+std::size_t most_strangers() {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return kFewestStrangers;
+  const rlim_t left = files.rlim_cur - std::min(files.rlim_cur, kOtherFiles);
+  return static_cast<std::size_t>(
+      std::clamp<rlim_t>(left / 2, kFewestStrangers, ServerLimits::kStrangers));
 }
 
 Error listen_error(const ServerSettings& settings, const boost::system::error_code& error) {
@@ -82,6 +98,8 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   const Token& token() const { return token_; }
 
   HttpVerdict judge(const HttpHead& head) override;
+  const std::vector<WebOrigin>& origins() const override { return settings_.allowed.origins; }
+  ConnectionPlaces::Place take_place(ConnectionKind kind, std::function<void()> drop) override;
   void find(Resource resource, bool accepts_gzip, std::function<void(HttpContent)> answer) override;
   LiveHost& live_host() override { return *this; }
 
@@ -99,11 +117,14 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   };
 
   void accept();
-  void on_accept(net::basic_stream_socket<net::ip::tcp, Executor> socket);
+  void accept_after(Clock::duration time);
+  bool drop_stranger();
   void admit(LiveClient& client);
   void carry_out(LiveClient& client, const PageRequest& request);
   void point(LiveClient& client, std::string_view bytes);
-  void give_control(LiveClient* client);
+  void give_control(LiveClient& client);
+  void pass_control();
+  void take_control(LiveClient& client, const std::string& why);
   void answer(LiveClient& client, std::optional<std::uint64_t> id,
               const std::optional<std::string>& problem);
   void frame();
@@ -120,7 +141,10 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   std::uint16_t port_ = 0;
   PageFile html_, script_, style_, icon_;
 
-  int connections_ = 0;  // outlives the handlers in context_, whose end it counts
+  // They outlive the connections, which the handlers in context_ own.
+  ConnectionPlaces silent_{0};
+  ConnectionPlaces asking_{0};
+  ConnectionPlaces trusted_{ServerLimits::kTrustedAnswers};
 
   net::io_context context_{1};
   Acceptor acceptor_{context_};
@@ -153,7 +177,10 @@ ViewServer::Network::Network(const ServerSettings& settings, const PageFiles& pa
       html_{page.html, gzip_compressed(page.html), "text/html; charset=utf-8"},
       script_{page.script, gzip_compressed(page.script), "text/javascript; charset=utf-8"},
       style_{page.style, gzip_compressed(page.style), "text/css; charset=utf-8"},
-      icon_{page.icon, gzip_compressed(page.icon), "image/svg+xml"} {}
+      icon_{page.icon, gzip_compressed(page.icon), "image/svg+xml"} {
+  silent_.set_most(most_strangers());
+  asking_.set_most(most_strangers());
+}
 
 std::optional<Error> ViewServer::Network::listen() {
   boost::system::error_code error;
@@ -211,27 +238,36 @@ void ViewServer::Network::accept() {
   acceptor_.async_accept([this](boost::system::error_code error,
                                 net::basic_stream_socket<net::ip::tcp, Executor> socket) {
     if (is_stopping_) return;
-    if (!error) {
-      on_accept(std::move(socket));
-      return accept();
-    }
-    // For example too many open files: they become free when clients leave.
-    accept_timer_.expires_after(kRetryAccept);
-    accept_timer_.async_wait([this](boost::system::error_code) {
-      if (!is_stopping_) accept();
-    });
+    // For example too many open files, which a stranger's end makes fewer.
+    if (error) return accept_after(drop_stranger() ? kAcceptWhenFull : kRetryAccept);
+    const bool was_full = silent_.is_full();
+    std::make_shared<HttpConnection>(Stream(std::move(socket)), *this)->read();
+    if (was_full) return accept_after(kAcceptWhenFull);
+    accept();
   });
 }
 
-void ViewServer::Network::on_accept(net::basic_stream_socket<net::ip::tcp, Executor> socket) {
-  if (connections_ >= ServerLimits::kConnections) return;  // closes the socket
-  ++connections_;
-  const std::shared_ptr<void> connection(nullptr, [this](void*) { --connections_; });
-  std::make_shared<HttpConnection>(Stream(std::move(socket)), *this, connection)->read();
+void ViewServer::Network::accept_after(Clock::duration time) {
+  accept_timer_.expires_after(time);
+  accept_timer_.async_wait([this](boost::system::error_code) {
+    if (!is_stopping_) accept();
+  });
+}
+
+bool ViewServer::Network::drop_stranger() {
+  return silent_.drop_oldest() || asking_.drop_oldest();
+}
+
+ConnectionPlaces::Place ViewServer::Network::take_place(ConnectionKind kind,
+                                                        std::function<void()> drop) {
+  ConnectionPlaces& places = kind == ConnectionKind::kSilent   ? silent_
+                             : kind == ConnectionKind::kAsking ? asking_
+                                                               : trusted_;
+  return places.take(std::move(drop));
 }
 
 HttpVerdict ViewServer::Network::judge(const HttpHead& head) {
-  return palpate::judge(head, token_, settings_.allowed_hosts);
+  return palpate::judge(head, token_, settings_.allowed);
 }
 
 const ViewServer::Network::PageFile& ViewServer::Network::page_file(Resource resource) const {
@@ -262,9 +298,26 @@ void ViewServer::Network::on_open(const std::shared_ptr<LiveClient>& client) {
 }
 
 void ViewServer::Network::on_end(LiveClient& client) {
-  if (in_control_ == &client) give_control(nullptr);
   std::erase_if(clients_, [&](const auto& c) { return c.get() == &client; });
+  if (in_control_ == &client) pass_control();
   if (is_stopping_ && clients_.empty()) stop_timer_.cancel();
+}
+
+// The client in control has left.
+void ViewServer::Network::pass_control() {
+  in_control_ = nullptr;
+  model_.let_go();
+  if (is_stopping_) return;
+  const auto next = std::find_if(clients_.begin(), clients_.end(),
+                                 [](const auto& c) { return c->has_token && !c->is_closing(); });
+  if (next == clients_.end()) return;
+  take_control(**next, "the page in control has left; this page is in control now");
+}
+
+void ViewServer::Network::take_control(LiveClient& client, const std::string& why) {
+  in_control_ = &client;
+  client.pointer = client.answered_pointer = 0;
+  client.send(event_text("control", why));
 }
 
 void ViewServer::Network::on_message(LiveClient& client, std::string_view bytes, bool is_text) {
@@ -297,6 +350,7 @@ void ViewServer::Network::admit(LiveClient& client) {
     return client.close(kTryAgainLater, "eight pages are open; close one");
   }
   client.has_token = true;
+  client.hold({});  // it is no stranger any more
   client.allow_long_messages();
   take_ticks();
   client.next_tick = first_tick_ + ticks_.size();
@@ -315,7 +369,7 @@ void ViewServer::Network::answer(LiveClient& client, std::optional<std::uint64_t
 void ViewServer::Network::carry_out(LiveClient& client, const PageRequest& request) {
   if (request.kind == PageRequest::Kind::kToken) return;
   if (request.kind == PageRequest::Kind::kTakeControl) {
-    give_control(&client);
+    give_control(client);
     return answer(client, request.id, std::nullopt);
   }
   if (in_control_ != &client) {
@@ -324,15 +378,14 @@ void ViewServer::Network::carry_out(LiveClient& client, const PageRequest& reque
   answer(client, request.id, model_.carry_out(request));
 }
 
-void ViewServer::Network::give_control(LiveClient* client) {
-  if (client == in_control_) return;
-  LiveClient* const before = std::exchange(in_control_, client);
+void ViewServer::Network::give_control(LiveClient& client) {
+  if (&client == in_control_) return;
+  LiveClient* const before = std::exchange(in_control_, nullptr);
   model_.let_go();
-  if (before != nullptr) before->send(event_text("control", "another page is in control"));
-  if (client != nullptr) {
-    client->pointer = client->answered_pointer = 0;
-    client->send(event_text("control", "this page is in control"));
+  if (before != nullptr) {
+    before->send(event_text("control", "another page has taken control; this one watches"));
   }
+  take_control(client, "this page is in control");
 }
 
 void ViewServer::Network::point(LiveClient& client, std::string_view bytes) {

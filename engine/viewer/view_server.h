@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/viewer/http_rules.h"
 #include "engine/viewer/page_files.h"
 #include "engine/viewer/token.h"
 #include "engine/viewer/view_model.h"
@@ -17,8 +18,7 @@ namespace palpate {
 struct ServerSettings {
   std::string address = "127.0.0.1";  // an IP address of this machine
   std::uint16_t port = 0;             // 0: the system chooses a free one
-  // Host names that a request may name besides the loopback names.
-  std::vector<std::string> allowed_hosts = {};
+  AllowedNames allowed = {};
 };
 
 // What a client may use. Constants, so that nobody can raise them by accident.
@@ -29,19 +29,26 @@ struct ServerLimits {
   // A client that has sent this much since its last whole message, pings and empty fragments
   // included, is closed.
   static constexpr std::size_t kUnfinishedBytes = 2 * kMessageBytes;
-  static constexpr int kConnections = 32;
-  static constexpr std::size_t kClients = 8;
+  // Of each kind of connection without a token (ConnectionKind). Fewer if the process may not open
+  // that many files.
+  static constexpr std::size_t kStrangers = 1024;
+  static constexpr std::size_t kTrustedAnswers = 32;
+  static constexpr std::size_t kClients = 8;       // pages with the token
   static constexpr std::size_t kQueuedTexts = 64;  // answers and events that a client has not read
   static constexpr int kHandshake_s = 5;
   static constexpr int kToken_s = 2;
   static constexpr int kAnswer_s = 60;  // for an HTTP answer to be read
-  static constexpr int kIdle_s = 30;    // without a byte, answers to pings included
+  static constexpr int kLinger_s = 1;   // for the client to end after an answer
+  static constexpr int kIdle_s = 15;    // without a byte, answers to pings included
 };
 
 // Serves the page, the scene and the live connection (http_rules.h, messages.h, page_request.h). A
 // slow client delays neither another client nor the model: each has one message in flight, and the
-// newest state follows it. The first client with the token controls the model, until it leaves or
-// another one takes over.
+// newest state follows it. The first client with the token controls the model, until another one
+// takes over, or it leaves; then the one that has been there longest controls it.
+//
+// Connections without the token never keep one with the token out (ConnectionPlaces): for a new
+// one, the oldest of them is dropped.
 //
 // The owner's thread calls the functions here. The model's functions are called on the network
 // thread.

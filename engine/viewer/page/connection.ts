@@ -10,7 +10,24 @@ const kWrongToken = 4401; // a token that came late has another code, and the pa
 const kTooManyPages = 1013;
 const kFirstDelay_ms = 250;
 const kLongestDelay_ms = 2000;
-const kTokenKey = "palpate-token";
+const kTokenKey = "palpate-token ";
+
+// The folder of an address, which ends with a slash: where a proxy shows the server.
+export function folderOf(address: string): URL {
+  return new URL(".", address);
+}
+
+// The address of the live connection of a page: its host and folder, encrypted if the page is.
+export function liveAddress(address: string): string {
+  const live = new URL("live", folderOf(address));
+  live.protocol = live.protocol === "https:" ? "wss:" : "ws:";
+  return live.href;
+}
+
+// Servers behind one proxy share their origin, and with it the storage of a tab.
+function tokenKey(): string {
+  return kTokenKey + folderOf(location.href).pathname;
+}
 
 export type ConnectionState =
   | "connecting" // for the first time
@@ -18,6 +35,7 @@ export type ConnectionState =
   | "lost" // the connection ended; the page tries again
   | "full" // as many pages are open as the server admits; the page tries again
   | "new address" // the token is wrong: the server was restarted
+  | "refused" // the server does not serve a page of this origin; the page tries again
   | "no token" // the page was opened without the address that the program printed
   | "wrong version"; // the server speaks another version; only a reload helps
 
@@ -34,10 +52,10 @@ export interface ConnectionEvents {
 export function takeToken(): string | null {
   const inAddress = location.hash.slice(1);
   if (/^[0-9a-f]{32}$/.test(inAddress)) {
-    sessionStorage.setItem(kTokenKey, inAddress);
+    sessionStorage.setItem(tokenKey(), inAddress);
     history.replaceState(null, "", location.pathname);
   }
-  return sessionStorage.getItem(kTokenKey);
+  return sessionStorage.getItem(tokenKey());
 }
 
 export class Connection {
@@ -51,11 +69,15 @@ export class Connection {
   constructor(private readonly token: string, private readonly events: ConnectionEvents) {}
 
   open(): void {
-    const socket = new WebSocket(`ws://${location.host}/live`);
+    const socket = new WebSocket(liveAddress(location.href));
     socket.binaryType = "arraybuffer";
-    socket.onopen = () => socket.send(JSON.stringify({ type: "token", token: this.token }));
+    let isOpened = false;
+    socket.onopen = () => {
+      isOpened = true;
+      socket.send(JSON.stringify({ type: "token", token: this.token }));
+    };
     socket.onmessage = (message) => this.receive(message.data as string | ArrayBuffer);
-    socket.onclose = (close) => this.closed(close.code);
+    socket.onclose = (close) => void this.closed(close.code, isOpened);
     this.socket = socket;
   }
 
@@ -139,14 +161,26 @@ export class Connection {
     this.waiting.clear();
   }
 
-  private closed(code: number): void {
+  private async closed(code: number, wasOpen: boolean): Promise<void> {
     this.end();
     if (code === kWrongToken) {
       this.events.changed("new address");
       return;
     }
     this.events.changed(code === kTooManyPages ? "full" : "lost");
+    if (!wasOpen && await isRefused()) this.events.changed("refused");
     setTimeout(() => this.open(), this.delay_ms);
     this.delay_ms = Math.min(2 * this.delay_ms, kLongestDelay_ms);
+  }
+}
+
+// A page is not told why a WebSocket could not be opened. A request with a method that the server does
+// not answer carries the origin of the page, too; 403 means that the server does not accept it.
+async function isRefused(): Promise<boolean> {
+  try {
+    const signal = AbortSignal.timeout(kLongestDelay_ms);
+    return (await fetch("live", { method: "POST", signal })).status === 403;
+  } catch {
+    return false; // the server cannot be reached
   }
 }

@@ -52,6 +52,7 @@ class Page {
   private state: State | null = null;
   private lastStatus: Status | null = null;
   private isInControl = false;
+  private hadControl = false; // while it was connected last
 
   constructor() {
     this.buttons = new PageButtons(this.keys, this.actions());
@@ -149,7 +150,11 @@ class Page {
   }
 
   private greet(hello: Hello): void {
+    const hadControl = this.hello !== null && this.hadControl;
     this.hello = hello;
+    if (hadControl && !hello.control) {
+      this.status.say("While this page was disconnected, another page came into control.");
+    }
     const { scene, device } = hello;
     element("scene").textContent = `${scene.name} \u00b7 ${device.name}`;
     element("scene").title = element("scene").textContent ?? "";
@@ -188,7 +193,7 @@ class Page {
     const view = this.view;
     if (!view || hello !== this.hello) return;
     try {
-      const answer = await fetch(path, { headers: { Authorization: `Bearer ${this.token}` } });
+      const answer = await fetch(path, { headers: { "Palpate-Token": this.token ?? "" } });
       if (!answer.ok) throw new Error(`/${path}: the server answers ${answer.status}`);
       const glb = await answer.arrayBuffer();
       if (hello !== this.hello) return; // another connection loads its own
@@ -232,6 +237,7 @@ class Page {
 
   private showControl(isInControl: boolean): void {
     this.isInControl = isInControl;
+    if (this.status.isLive) this.hadControl = isInControl;
     if (!isInControl) this.hand?.letGo();
     const isWatching = this.status.isLive && !isInControl;
     element("watch-notice").hidden = !isWatching;

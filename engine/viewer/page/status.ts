@@ -18,6 +18,11 @@ const kConnectionWords: Record<ConnectionState, { short: string; notice: string 
     short: "New address",
     notice: "The server was restarted, and its address is new. Open the address that palpate view printed.",
   },
+  refused: {
+    short: "Refused",
+    notice: `The server does not accept pages of ${globalThis.location?.origin}. ` +
+      "Start palpate view with this after --allow-origin.",
+  },
   "no token": { short: "No access", notice: "Open the address that palpate view printed." },
   "wrong version": { short: "Reload", notice: "The server has another version. Reload this page." },
 };

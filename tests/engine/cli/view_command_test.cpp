@@ -5,6 +5,8 @@
 #include <csignal>
 #include <cstdint>
 #include <string>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <thread>
 #include <vector>
 
@@ -39,6 +41,11 @@ TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
         {"view", kViewedStar, "--allow-host", "desk.example:80"},
         {"view", kViewedStar, "--allow-host", "2001:db8::1"},
         {"view", kViewedStar, "--allow-host", ""},
+        {"view", kViewedStar, "--allow-origin", "desk.example"},
+        {"view", kViewedStar, "--allow-origin", "https://desk.example/lab/"},
+        {"view", kViewedStar, "--allow-origin", "null"},
+        {"view", kViewedStar, "--allow-origin", "https://*.example"},
+        {"view", kViewedStar, "--allow-origin", ""},
         {"view", kViewedStar, "--device", "hapi:port=/no/such/port"}}) {
     const Outcome outcome = run_program(folder, arguments);
     EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
@@ -69,13 +76,14 @@ class Serving {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     address = content_of(program_.out);
-    const std::size_t colon = address.rfind(':');
+    const std::size_t colon = address.rfind(':', address.find('#'));
     port = colon == std::string::npos ? 0 : std::stoi(address.substr(colon + 1));
   }
   Outcome end_with(int signal) {
     ::kill(program_.process, signal);
     return test::outcome_of(program_);
   }
+  pid_t process() const { return program_.process; }
 
   std::string address;
   int port = 0;
@@ -106,6 +114,57 @@ TEST(ViewCommand, ServesUntilCtrlC) {
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
   page.read_text_with("\"kind\":\"end\"");
   EXPECT_EQ(page.read_to_close(), 1001);
+}
+
+// The address holds a secret.
+TEST(ViewCommand, MakesALogOfItsAddressPrivate) {
+  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  const TemporaryFolder folder;
+  const std::string log = folder.write("stdout", "");
+  ASSERT_EQ(::chmod(log.c_str(), 0664), 0);
+  Serving serving(folder, {});
+  ASSERT_GT(serving.port, 0);
+  struct stat file {};
+  ASSERT_EQ(::stat(log.c_str(), &file), 0);
+  EXPECT_EQ(file.st_mode & 0777, 0600u);
+  const Outcome outcome = serving.end_with(SIGINT);
+  EXPECT_NE(outcome.err.find("stdout is a file that others could read; it is now only yours"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST(ViewCommand, PrintsTheAddressThroughAProxyThatIsNamed) {
+  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  const TemporaryFolder folder;
+  Serving serving(folder, {"--allow-origin", "HTTPS://Desk.example:443/", "--allow-origin",
+                           "http://[2001:DB8::0:1]:8080"});
+  const std::string token = serving.address.substr(serving.address.find('#'), 33);
+  const Outcome outcome = serving.end_with(SIGINT);
+  for (const char* origin : {"https://desk.example/", "http://[2001:db8::1]:8080/"}) {
+    EXPECT_NE(outcome.out.find("through a proxy: " + std::string(origin) + token),
+              std::string::npos)
+        << outcome.out;
+  }
+}
+
+// Strangers take every file that the process may open, and a page is served all the same.
+TEST(ViewCommand, ServesAPageWhenStrangersTakeAllFiles) {
+  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  const TemporaryFolder folder;
+  Serving serving(folder, {});
+  ASSERT_GT(serving.port, 0);
+  const auto port = static_cast<std::uint16_t>(serving.port);
+  const rlimit few{64, 64};
+  ASSERT_EQ(::prlimit(serving.process(), RLIMIT_NOFILE, &few, nullptr), 0);
+  std::vector<test::RawClient> crowd;
+  for (int i = 0; i < 200; ++i) crowd.emplace_back(port);
+  const std::string token = serving.address.substr(serving.address.find('#') + 1, 32);
+  test::WebSocketClient page(port);
+  page.send_text(R"({"type":"token","token":")" + token + "\"}");
+  page.read_text_with("\"hello\"");
+  const std::string host = "127.0.0.1:" + std::to_string(port);
+  EXPECT_EQ(test::status_of(test::answer_to(port, test::get_request("/page.js", host))), 200);
+  EXPECT_EQ(serving.end_with(SIGINT).exit_code, 130);
 }
 
 TEST(ViewCommand, PrintsTheLicencesOfThePage) {

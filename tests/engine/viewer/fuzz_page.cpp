@@ -53,29 +53,39 @@ void parse_pointer(std::string_view bytes) {
   for (const double x : message->target_m) require(std::isfinite(x));
 }
 
-// The lines are method, target, Host, Origin, Authorization; an empty one is left out.
+// The lines are method, target, Host, Origin, Authorization, Palpate-Token; an empty one is left
+// out.
 void judge_request(std::string_view text) {
   static const Token token = Token::make();
   std::vector<std::string_view> lines;
-  while (lines.size() < 5) {
+  while (lines.size() < 6) {
     const std::size_t end = text.find('\n');
     lines.push_back(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
-  HttpHead head{lines[0], lines[1], {}, {}, {}, !text.empty()};
+  HttpHead head{lines[0], lines[1], {}, {}, {}, {}, !text.empty()};
   if (!lines[2].empty()) head.hosts.push_back(lines[2]);
   if (!lines[3].empty()) head.origins.push_back(lines[3]);
   if (!lines[4].empty()) head.authorizations.push_back(lines[4]);
-  const HttpVerdict verdict = judge(head, token, {"desk.example"});
+  if (!lines[5].empty()) head.tokens.push_back(lines[5]);
+  static const AllowedNames allowed{{"desk.example"}, {{true, "lab.example", 443}}};
+  const HttpVerdict verdict = judge(head, token, allowed);
   if (verdict.status != 200) return require(!verdict.reason.empty());
   // What is served has a Host that is safe in a header, and is no secret: nobody guesses the token.
   const auto name = host_name(head.hosts.front());
-  require(name == "localhost" || name == "127.0.0.1" || name == "[::1]" || name == "desk.example");
+  require(name == "localhost" || name == "127.0.0.1" || name == "[::1]" || name == "desk.example" ||
+          name == "lab.example");
   require(verdict.resource != Resource::kScene && verdict.resource != Resource::kFullScene);
-  for (const auto& [header, value] : safety_headers(head.hosts.front())) {
+  for (const auto& [header, value] : safety_headers(head.hosts.front(), allowed.origins)) {
     require(value.find_first_of("\r\n") == std::string::npos);
   }
-  require(head.origins.empty() || head.origins.front() == "http://" + std::string(lines[2]));
+  if (!head.origins.empty()) {
+    const auto origin = parse_origin(head.origins.front());
+    const auto own = parse_origin("http://" + std::string(lines[2]));
+    const bool is_own = own && origin == own && *name != "lab.example";
+    require(origin && (is_own || *origin == allowed.origins.front()));
+    require(parse_origin(origin->text()) == origin);
+  }
   require(!head.upgrades || !head.origins.empty());
 }
 

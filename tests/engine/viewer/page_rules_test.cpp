@@ -44,8 +44,53 @@ TEST(ViewRules, HostNameIsThePartBeforeThePort) {
   EXPECT_EQ(host_name("127.0.0.1"), "127.0.0.1");
   EXPECT_EQ(host_name("[::1]:65535"), "[::1]");
   for (const char* wrong : {"", ":80", "a:", "a:123456", "a:8x", "a b", "a/b", "a@b", "a\"b",
-                            "[::1", "[::g]", "::1", "a;b", "a\r\nb", "[]"}) {
+                            "[::1", "[::g]", "::1", "a;b", "a\r\nb", "[]", "a:0", "a:65536"}) {
     EXPECT_EQ(host_name(wrong), std::nullopt) << wrong;
+  }
+}
+
+TEST(ViewRules, OriginsAreEqualInEachSpelling) {
+  const WebOrigin lab{true, "lab.example", 443};
+  for (const char* same : {"https://lab.example", "HTTPS://Lab.Example", "https://lab.example:443",
+                           "https://lab.example/", "https://LAB.example:443/"}) {
+    EXPECT_EQ(parse_origin(same), lab) << same;
+  }
+  EXPECT_EQ(lab.text(), "https://lab.example");
+  EXPECT_EQ(lab.socket_text(), "wss://lab.example");
+  EXPECT_EQ(parse_origin("http://lab.example:8080")->text(), "http://lab.example:8080");
+  EXPECT_EQ(parse_origin("http://lab.example:443")->socket_text(), "ws://lab.example:443");
+  EXPECT_EQ(parse_origin("https://[2001:DB8:0:0::1]:8443")->text(), "https://[2001:db8::1]:8443");
+  for (const char* other : {"http://lab.example", "https://lab.example:80", "https://lab.exampl",
+                            "https://x.lab.example", "https://lab.example:4430"}) {
+    EXPECT_NE(parse_origin(other), lab) << other;
+  }
+  for (const char* wrong : {"",
+                            "null",
+                            "*",
+                            "lab.example",
+                            "//lab.example",
+                            "https:lab.example",
+                            "https://",
+                            "https:///",
+                            "https://lab.example//",
+                            "https://lab.example/lab",
+                            "https://lab.example?x",
+                            "https://a@b",
+                            "https://lab.example:",
+                            "https://lab.example:0",
+                            "https://lab.example:65536",
+                            "https://lab.example:+1",
+                            "https://*.example",
+                            "wss://lab.example",
+                            "file:///x",
+                            "https://[::1",
+                            "https://[::g]",
+                            "https://::1",
+                            " https://lab.example",
+                            "https://lab.example ",
+                            "https://l\u00e4b.example",
+                            "https://a,https://b"}) {
+    EXPECT_EQ(parse_origin(wrong), std::nullopt) << wrong;
   }
 }
 

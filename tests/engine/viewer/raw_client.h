@@ -60,6 +60,15 @@ class RawClient {
     return n >= 0 || errno == EAGAIN || errno == EWOULDBLOCK;
   }
 
+  void end_sending() { ::shutdown(socket_, SHUT_WR); }
+
+  // Ends the connection by a reset.
+  void reset() {
+    const linger at_once{1, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    ::close(std::exchange(socket_, -1));
+  }
+
   // Reads more bytes into input(). Returns false at the end of the connection.
   bool read_more() {
     pollfd waiting{socket_, POLLIN, 0};

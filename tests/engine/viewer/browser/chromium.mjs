@@ -36,12 +36,14 @@ export function openBrowser(hasWebgl = true) {
   });
 }
 
-// Opens an address of the page. options.script runs in it before its own scripts. `complaints` of the result collects errors of the console, reports of
+// Opens an address of the page. options.script runs in it before its own scripts; options.context are
+// options of the driver's context. `complaints` of the result collects errors of the console, reports of
 // the content security policy and requests that leave loopback.
 export async function openPage(browser, address, options = {}) {
   const context = await browser.newContext({
     viewport: options.viewport ?? { width: 1000, height: 640 }, // drawn in software
     colorScheme: options.theme ?? "light",
+    ...options.context,
   });
   const page = await context.newPage();
   page.setDefaultTimeout(kStep_ms);

@@ -362,7 +362,7 @@ test("another server of this host cannot frame the page and is told no secret", 
     await new Promise((resolve) => other.listen(0, "127.0.0.1", resolve));
     const page = await openPage(browser, server.address);
     await untilDrawn(page);
-    const token = await page.evaluate(() => sessionStorage.getItem("palpate-token"));
+    const token = await page.evaluate(() => sessionStorage.getItem("palpate-token /"));
     assert.match(token, /^[0-9a-f]{32}$/);
     assert.equal(await page.evaluate(() => document.cookie), "");
     await page.goto(`http://127.0.0.1:${other.address().port}/`);
@@ -388,7 +388,7 @@ test("a page that was opened without the token says what to open", async () => {
   });
 });
 
-test("closing a page lets go, and a watching page can take control", async () => {
+test("closing a page lets go and passes control on, and a watching page can take it", async () => {
   await withServer([kStar], async (server) => {
     const first = await openPage(browser, server.address);
     await untilDrawn(first);
@@ -399,18 +399,38 @@ test("closing a page lets go, and a watching page can take control", async () =>
     await press(first, [-0.12, 0.03, 0]);
     await until(second, () => window.palpate.state().isHeld);
     await first.context().close();
+    await second.locator("#said").filter({ hasText: "this page is in control now" }).waitFor();
     await until(second, () => !window.palpate.state().isHeld);
+    await until(second, () => window.palpate.status().control);
+    await until(second, () => !document.querySelector('[data-setting="a4"]').disabled);
     const third = await openPage(browser, server.address);
     await untilLive(third);
-    await until(third, () => window.palpate.status() !== null);
-    const watcher = (await third.locator("#watch-notice").isVisible()) ? third : second;
-    await watcher.getByRole("button", { name: "Take control" }).click();
-    await until(watcher, () => window.palpate.status().control);
-    await until(watcher, () => !document.querySelector('[data-setting="a4"]').disabled);
+    await third.locator("#watch-notice").waitFor();
+    await third.getByRole("button", { name: "Take control" }).click();
+    await until(third, () => window.palpate.status().control);
+    await second.locator("#watch-notice").waitFor();
     for (const page of [second, third]) {
       assertClean(page);
       await page.context().close();
     }
+  });
+});
+
+test("a page that loses control with its connection is told so", async () => {
+  await withServer([kStar], async (server) => {
+    const line = await openLine(server.port);
+    const first = await openPage(browser, line.address(server.address));
+    await untilLive(first);
+    await until(first, () => window.palpate.status()?.control);
+    const second = await openPage(browser, server.address);
+    await untilLive(second);
+    line.cut();
+    await first.locator("#said").filter({ hasText: "another page came into control" }).waitFor();
+    await first.locator("#watch-notice").waitFor();
+    await until(second, () => window.palpate.status().control);
+    assertClean(first, kClosed);
+    for (const page of [first, second]) await page.context().close();
+    await line.close();
   });
 });
 

@@ -5,6 +5,7 @@ import { test } from "node:test";
 import { Quaternion, Vector3 } from "three";
 
 import { arrowOf } from "@page/contact_drawing.ts";
+import { liveAddress } from "@page/connection.ts";
 import { sliderScale } from "@page/controls.ts";
 import { displayOf, touchOf } from "@page/display.ts";
 import { roundStep } from "@page/felt_scene.ts";
@@ -44,6 +45,17 @@ function ticks(base_s: number, rows: { t: number; angle: number; force: number }
     step_us: column(() => 1), contact: column(() => 1),
   };
 }
+
+test("the live connection has the scheme, the host and the folder of the page", () => {
+  const expected = [
+    ["http://127.0.0.1:43210/", "ws://127.0.0.1:43210/live"],
+    ["https://lab.example/", "wss://lab.example/live"],
+    ["https://lab.example/lab/palpate/", "wss://lab.example/lab/palpate/live"],
+    ["https://lab.example:8443/lab/palpate/index.html?a=/b/#c/d", "wss://lab.example:8443/lab/palpate/live"],
+    ["http://[2001:db8::1]:80/x/", "ws://[2001:db8::1]/x/live"],
+  ];
+  for (const [page, live] of expected) assert.equal(liveAddress(page ?? ""), live);
+});
 
 test("a state is decoded at the offsets of its layout", () => {
   const bytes = new ArrayBuffer(136 + recordBytes + 64);
