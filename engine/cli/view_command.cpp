@@ -26,6 +26,7 @@
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
 #include "engine/cli/strategy_option.h"
+#include "engine/cli/tick_times_report.h"
 #include "engine/devices/device_options.h"
 #include "engine/devices/hapi_device.h"
 #include "engine/viewer/http_rules.h"
@@ -116,6 +117,11 @@ void print_addresses(const ViewRequest& request, const ViewServer& server) {
   if (told) warn(*told);
 }
 
+void print_ticks(const HapticThread& thread) {
+  std::cout << "ticks: " << thread.ticks() << ", late: " << thread.missed_deadlines()
+            << late_causes_text(thread.times()) << "\n";
+}
+
 // Serves until a signal. The force is zero before anything that may wait for a client.
 std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
                            ViewSession& session) {
@@ -152,6 +158,7 @@ std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
   while (!signal_flag().requested()) std::this_thread::sleep_for(kLookEvery);
   session.stop();
   (*server)->stop();
+  print_ticks(session.thread());
   return std::nullopt;
 }
 

@@ -14,6 +14,7 @@ namespace http = beast::http;
 
 // Room for a usual request. A longer one takes more, up to ServerLimits::kHeaderBytes.
 constexpr std::size_t kFirstBytes = 1024;
+constexpr int kSendBufferBytes = 64 * 1024;
 
 std::string_view view_of(beast::string_view text) {
   return {text.data(), text.size()};
@@ -138,6 +139,9 @@ void HttpConnection::send(int status, HttpContent content) {
   response_.prepare_payload();
   serializer_.emplace(response_);
   stream_.expires_after(std::chrono::seconds(ServerLimits::kAnswer_s));
+  // The kernel must not hold whole answers for clients that do not read them.
+  beast::error_code ignored;
+  stream_.socket().set_option(net::socket_base::send_buffer_size(kSendBufferBytes), ignored);
   write_answer();
 }
 

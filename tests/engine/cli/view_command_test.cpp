@@ -112,6 +112,7 @@ TEST(ViewCommand, ServesUntilCtrlC) {
                            "any)\n");
   const Outcome outcome = serving.end_with(SIGINT);
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_NE(outcome.out.find("\nticks: "), std::string::npos) << outcome.out;
   page.read_text_with("\"kind\":\"end\"");
   EXPECT_EQ(page.read_to_close(), 1001);
 }
