@@ -15,6 +15,7 @@
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
+#include "engine/cli/effects_report.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/open_browser.h"
 #include "engine/cli/prepared_run.h"
@@ -78,8 +79,9 @@ std::optional<Error> check_hosts(const std::vector<std::string>& hosts) {
 }
 
 // Serves until a signal. The force is zero before anything that may wait for a client.
+// warnings: about the scene.
 std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
-                           ViewSession& session) {
+                           const std::vector<std::string>& warnings, ViewSession& session) {
   const auto server = ViewServer::listen(request.server, page, session);
   if (!server) {
     Error error = server.error();
@@ -100,6 +102,7 @@ std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
   if (auto error = session.start()) return error;
   const std::string address = address_of(request, **server);
   std::cout << address << std::endl;
+  for (const std::string& warning : warnings) warn(warning);
   for (const std::string& warning : session.warnings()) warn(warning);
   std::unique_ptr<OpenedBrowser> browser;
   if (request.opens_browser) {
@@ -148,7 +151,7 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
   if (Recorder* const r = recorder->get()) settings.recording = {r, [r] { return r->failure(); }};
   const auto session = ViewSession::create(prepared->scene, prepared->setup, settings, device);
   if (!session) return refuse(with_path(session.error(), request.run.scene.path));
-  const auto refusal = serve(request, *page, **session);
+  const auto refusal = serve(request, *page, load_warning_lines(prepared->scene), **session);
   std::vector<RecordingResult> recordings;
   if (auto recording = finish_recording(std::move(*recorder), "interrupted")) {
     recordings.push_back(std::move(*recording));
