@@ -51,7 +51,23 @@ struct TreeNode {
       parent;  // index into SceneDescription::tree, lower than the node's own
   bool has_mesh = false;
   Vec3 origin_m = Vec3::Zero();  // origin of the node frame, in the scene frame
+  bool is_hidden = false;        // the node or an ancestor is hidden, and is not read
 };
+
+// Nodes with a mesh that are not read, because KHR_node_visibility hides them.
+struct HiddenNodes {
+  std::size_t count = 0;
+  std::vector<std::string> first_names;  // of at most kMostHiddenNames nodes
+};
+inline constexpr std::size_t kMostHiddenNames = 5;
+
+// The scenes that a file lists.
+struct ListedScenes {
+  std::size_t count = 0;
+  std::vector<std::string> names;  // of at most the first kMostListedScenes; empty: without a name
+  std::optional<std::size_t> loaded;  // absent: all root nodes
+};
+inline constexpr std::size_t kMostListedScenes = 100;
 
 // A placed mesh: one for each node that has a mesh with triangles, or for each instance of such a
 // node.
@@ -104,8 +120,13 @@ struct SceneDescription {
   std::vector<ImageDescription> images;          // targets of TextureReference::pixels
   std::vector<AnimationDescription> animations;  // all animations of the file, in file order
   std::optional<PoseDescription> pose;           // absent: the rest pose
-  std::vector<std::string> notes;                // decisions, such as the pose; one line each
-  std::vector<std::string> warnings;             // one line each
+  ListedScenes scenes;
+  HiddenNodes hidden_nodes;
+  // Keys and groups for Palpate that are not applied, with the place where each belongs; one line
+  // each.
+  std::vector<std::string> unapplied_extras;
+  std::vector<std::string> notes;     // decisions, such as the pose; one line each
+  std::vector<std::string> warnings;  // one line each
   double parse_ms = 0.0;
 };
 

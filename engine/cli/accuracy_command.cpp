@@ -153,6 +153,8 @@ std::vector<std::string> options_of_run(const SceneOptions& scene) {
   const auto add_number = [&](const char* option, const std::optional<double>& value) {
     if (value) add(option, shortest_digits(*value));
   };
+  add("--scene", scene.listed_scene);
+  if (scene.feels_hidden) options.push_back("--feel-hidden");
   add("--node", scene.node);
   add_number("--scale", scene.scale);
   add_number("--fit", scene.fit_size_m);
@@ -364,7 +366,7 @@ int accuracy(const AccuracyRequest& command) {
   std::cout << "report.html, raw.csv" << (findings ? ", scene.csv" : "")
             << " and a diagram per knob are in " << command.out_dir << "/\n";
   return exit_code_after_signals(
-      finish_output(scene ? not_understood_lines(*scene) : std::vector<std::string>{}));
+      finish_output(scene ? load_warning_lines(*scene) : std::vector<std::string>{}));
 }
 
 class AccuracyCommand final : public Command {
@@ -392,7 +394,8 @@ CLI::App* AccuracyCommand::add_to(CLI::App& program) {
       ->take_all();
   add_integer(app, "--seed", request_.seed, {}, "seed of poses, paths and noise");
   CLI::Option* scene = app.get_option("SCENE");
-  for (const char* name : {"--node", "--scale", "--fit", "--pose", "--material", "--max-memory"}) {
+  for (const char* name : {"--node", "--scene", "--feel-hidden", "--scale", "--fit", "--pose",
+                           "--material", "--max-memory"}) {
     app.get_option(name)->needs(scene)->group(kSceneOptionsGroup);
   }
   const auto of_scene = [&](const char* name, double& value, const RealRange& range,

@@ -125,10 +125,10 @@ int report_stopped_comparison(const CompareOutcome& outcome, const CompareReques
   return exit_code_after_signals(0);
 }
 
-int report_shard(const CompareRequest& request) {
+int report_shard(const CompareOutcome& outcome, const CompareRequest& request) {
   std::cout << "shard " << request.shard << " is complete in " << request.out_dir
             << "/; when all shards are there, the same command without --shard compares them\n";
-  return exit_code_after_signals(finish_output());
+  return exit_code_after_signals(finish_output(outcome.runs.front().scene_warnings));
 }
 
 // "star, lock: 160 trials of 20 hands, people2005, seed 2005"
@@ -168,7 +168,7 @@ int report_results(const CompareSettings& settings, const CompareOutcome& outcom
   const bool is_complete = std::all_of(
       outcome.followings.begin(), outcome.followings.end(),
       [](const FollowingComparison& following) { return following.incomplete().empty(); });
-  const int code = finish_output();
+  const int code = finish_output(outcome.runs.front().scene_warnings);
   return exit_code_after_signals(code == 0 && !is_complete ? kIncompleteTrials : code);
 }
 
@@ -209,7 +209,7 @@ int run_compare(const CompareRequest& request) {
   }
   if (!outcome) return refuse(with_compare_options(outcome.error()));
   if (!outcome->runs.back().not_done.empty()) return report_stopped_comparison(*outcome, request);
-  if (run.shard) return report_shard(request);
+  if (run.shard) return report_shard(*outcome, request);
   return report_results(*settings, *outcome, request);
 }
 

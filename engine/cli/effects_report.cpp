@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/cli/option_names.h"
+#include "engine/scene/load_warnings.h"
 #include "geometry/base/printable.h"
 
 namespace palpate {
@@ -176,18 +177,11 @@ std::string effect_use_text(const RunSummary& summary, std::string_view effect) 
 }
 
 std::vector<std::string> not_understood_lines(const Scene& scene) {
-  std::vector<std::string> lines;
-  const auto add = [&](const DeclarationReport& declaration) {
-    for (const IgnoredParameter& p : declaration.report.not_understood) {
-      lines.push_back(with_option_names(p.element) + ": " + p.key + " of \"" + declaration.name +
-                      "\" is ignored: " + with_option_names(p.why));
-    }
-  };
-  const SceneEffectsReport& report = scene.effects();
-  for (const DeclarationReport& material : report.materials) add(material);
-  add(report.scene);
-  for (const DeclarationReport& region : report.regions) add(region);
-  return lines;
+  return with_option_names(unapplied_lines(scene));
+}
+
+std::vector<std::string> load_warning_lines(const Scene& scene) {
+  return with_option_names(load_warnings(scene));
 }
 
 }  // namespace palpate

@@ -24,8 +24,10 @@ nlohmann::ordered_json regions_json(const Scene& scene);
 // if it was measured.
 nlohmann::ordered_json effects_use_json(const RunSummary& summary, const Scene& scene);
 
-// One line for each ignored parameter: element of the file, key, name of its owner, and reason.
+// One line for each key or group of extras that is not applied and each ignored parameter
+// (unapplied_lines); load_warning_lines(): all load_warnings(). Fields are replaced by options.
 std::vector<std::string> not_understood_lines(const Scene& scene);
+std::vector<std::string> load_warning_lines(const Scene& scene);
 // Lines for every declaration with parameters, and one line with the effects of the scene.
 std::string declarations_text(const Scene& scene);
 // "12 ticks, 3.4 % of the time"

@@ -80,6 +80,11 @@ const std::vector<std::string>& warnings_of(const MergedCanonical& merged) {
 const std::vector<std::string>& warnings_of(const MergedSweep& merged) {
   return merged.warnings;
 }
+template <typename Outcome>
+std::vector<std::string> scene_warnings_of(const Outcome& outcome) {
+  if constexpr (requires { outcome.scene_warnings; }) return outcome.scene_warnings;
+  return {};  // a canonical plan has no scene of a file
+}
 std::vector<std::string> warnings_of(const MergedExperiment&) {
   return {};
 }
@@ -128,6 +133,7 @@ int run_with_progress(const DealtSettings& settings, std::vector<std::string> wa
     return report_interruption(*outcome, kParticipant, settings.out_folder);
   }
   std::cout << outcome_text(*outcome, settings);
+  for (const std::string& warning : scene_warnings_of(*outcome)) warnings.push_back(warning);
   if (outcome->merged) {
     for (const std::string& warning : warnings_of(*outcome->merged)) warnings.push_back(warning);
   }

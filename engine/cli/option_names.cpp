@@ -1,6 +1,7 @@
 #include "engine/cli/option_names.h"
 
 #include <string_view>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -15,6 +16,8 @@ constexpr OptionName kOptionNames[] = {
     {"SceneSettings", "node", "--node"},
     {"SceneSettings", "scale", "--scale"},
     {"SceneSettings", "fit_size_m", "--fit"},
+    {"SceneSettings", "listed_scene", "--scene"},
+    {"SceneSettings", "feels_hidden", "--feel-hidden"},
     {"SceneSettings", "pose", "--pose"},
     {"SceneSettings", "close_gaps_m", "--close-gaps"},
     {"SceneSettings", "overrides", "--material"},
@@ -67,6 +70,11 @@ std::string with_option_names(std::string text) {
     replace_all(text, field, name.option);
   }
   return text;
+}
+
+std::vector<std::string> with_option_names(std::vector<std::string> lines) {
+  for (std::string& line : lines) line = with_option_names(std::move(line));
+  return lines;
 }
 
 Error with_option_names(Error error) {

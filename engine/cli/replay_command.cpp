@@ -37,7 +37,6 @@ class ReplayCommand final : public Command {
   int replay_recording();
 
   CLI::App* app_ = nullptr;
-  std::string moved_scene_;
   SceneOptions scene_;
   std::string trajectory_;
   RunOptions options_;
@@ -64,11 +63,13 @@ CLI::App* ReplayCommand::add_to(CLI::App& program) {
       "--trajectory", trajectory_,
       "device positions, one \"[t] x y z\" per line, in metres, or a trace of run or replay; "
       "required, but for a recording");
-  app.add_option("--scene", moved_scene_, "where the scene of a recording is now")
-      ->type_name("FILE");
   add_integer(app, "--repeat", repeat_, {1, 1000},
               "number of passes, 1 to 1000; the shortest time of each tick is kept");
   add_scene(app, scene_, true);
+  CLI::Option* const listed_scene = app.get_option("--scene");
+  listed_scene->type_name("N|NAME|FILE");
+  listed_scene->description(listed_scene->get_description() +
+                            "; for a recording: where the file of its scene is now");
   add_place(app, options_);
   add_device(app, options_, "step of the device's encoders, m; required by the adaptive estimator");
   add_touch(app, settings);
@@ -102,7 +103,7 @@ int ReplayCommand::replay_recording() {
   const auto is_given = [this](const char* name) { return app_->get_option(name)->count() > 0; };
   RecordedReplayRequest request;
   request.recording = scene_.path;
-  request.scene = moved_scene_;
+  request.scene = scene_.listed_scene;
   request.json = json_;
   request.materials = scene_.materials;
   const RunSettings& settings = options_.settings;
@@ -126,9 +127,6 @@ int ReplayCommand::run(const std::vector<std::string>&) {
     return refuse(invalid_argument("--trajectory", "is missing; it is required beside a scene",
                                    "or name a recording in place of the scene"));
   }
-  if (!moved_scene_.empty()) {
-    return refuse(invalid_argument("--scene", "is for a recording; expected no such option"));
-  }
   const Result<RunSetup> setup = make_setup(options_);
   if (!setup) return refuse(setup.error());
   const Result<std::vector<Vec3>> path = read_trajectory(trajectory_);
@@ -151,7 +149,7 @@ int ReplayCommand::run(const std::vector<std::string>&) {
     std::cout << scene_.path << ", " << trajectory_ << "\n"
               << summary_text(result->summary, *scene);
   }
-  return exit_code_after_signals(finish_output(not_understood_lines(*scene)));
+  return exit_code_after_signals(finish_output(load_warning_lines(*scene)));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "engine/cli/formatted.h"
 #include "engine/cli/option_names.h"
 #include "engine/cli/tick_times_report.h"
+#include "engine/scene/load_warnings.h"
 #include "engine/scene/scene_contours.h"
 #include "engine/simulation/run_judgement.h"
 #include "geometry/base/printable.h"
@@ -224,16 +225,54 @@ std::string animations_text(const SceneStatistics& s) {
   return text;
 }
 
+// The names of the first scenes (null: without a name), and the loaded one (null: all root nodes).
+ordered_json scenes_json(const ListedScenes& scenes) {
+  ordered_json names = ordered_json::array();
+  for (const std::string& name : scenes.names) {
+    names.push_back(name.empty() ? ordered_json() : ordered_json(name));
+  }
+  return {{"count", scenes.count},
+          {"names", std::move(names)},
+          {"loaded", scenes.loaded ? ordered_json(*scenes.loaded) : ordered_json()}};
+}
+
+// One line for each scene of a file with several, and which of them is loaded.
+std::string scenes_text(const ListedScenes& scenes) {
+  if (scenes.count < 2) return {};
+  constexpr std::size_t kMostLines = 20;
+  std::string text;
+  const auto add = [&](std::size_t i) {
+    const bool has_name = i < scenes.names.size() && !scenes.names[i].empty();
+    text += "  scene #" + std::to_string(i) +
+            (has_name ? " \"" + printable(scenes.names[i]) + "\"" : "") +
+            (scenes.loaded == i ? ", loaded\n" : "\n");
+  };
+  const std::size_t most = std::min(scenes.count, kMostLines);
+  for (std::size_t i = 0; i < most; ++i) add(i);
+  if (scenes.loaded && *scenes.loaded >= most) add(*scenes.loaded);
+  if (scenes.count > most) {
+    text += "  " + std::to_string(scenes.count) + " scenes in all; --scene N loads another one\n";
+  }
+  return text;
+}
+
+ordered_json hidden_json(const HiddenNodes& hidden) {
+  return {{"count", hidden.count}, {"first_names", hidden.first_names}};
+}
+
+// What is wrong with the file, what it hides, and what it declares in a wrong place.
+std::vector<std::string> warning_lines(const SceneStatistics& s) {
+  std::vector<std::string> lines = s.warnings;
+  if (s.hidden_nodes.count > 0) lines.push_back(hidden_nodes_text(s.hidden_nodes));
+  lines.insert(lines.end(), s.unapplied_extras.begin(), s.unapplied_extras.end());
+  return with_option_names(std::move(lines));
+}
+
 ordered_json joins_json(const JoinStatistics& joins) {
   return {{"edges", joins.joined_edges},
           {"vertices", joins.joined_vertices},
           {"divided_edges", joins.divided_edges},
           {"ambiguous_edges", joins.ambiguous_edges}};
-}
-
-std::vector<std::string> all_with_option_names(std::vector<std::string> lines) {
-  for (std::string& line : lines) line = with_option_names(std::move(line));
-  return lines;
 }
 
 // Where nodes meet, and where they are near each other and stay apart.
@@ -283,6 +322,8 @@ ordered_json scene_json(const Scene& scene) {
           {"extent_m", {s.extent_m.x(), s.extent_m.y(), s.extent_m.z()}},
           {"bounding_box", box_json(s.bounds_scene)},
           {"contours", contours_json(scene)},
+          {"scenes", scenes_json(s.scenes)},
+          {"hidden_nodes", hidden_json(s.hidden_nodes)},
           {"animations", animations_json(s)},
           {"pose", pose_json(s)},
           {"materials", materials_json(scene)},
@@ -300,8 +341,8 @@ ordered_json scene_json(const Scene& scene) {
             {"index_boxes", s.memory.index_boxes},
             {"places", s.memory.places},
             {"effects", s.memory.effects}}},
-          {"notes", all_with_option_names(s.notes)},
-          {"warnings", all_with_option_names(s.warnings)}};
+          {"notes", with_option_names(s.notes)},
+          {"warnings", warning_lines(s)}};
 }
 
 ordered_json tree_json(const Scene& scene) {
@@ -310,6 +351,7 @@ ordered_json tree_json(const Scene& scene) {
     ordered_json json = {{"name", node.name}, {"number", node.file_index}};
     json["parent"] = node.parent ? ordered_json(*node.parent) : ordered_json();
     json["mesh"] = node.has_mesh;
+    if (node.is_hidden) json["hidden"] = true;
     nodes.push_back(std::move(json));
   }
   return nodes;
@@ -421,6 +463,7 @@ std::string scene_text(const std::string& path, const Scene& scene) {
           vector_text(s.bounds_scene.high) + " m, centre " +
           vector_text(centre_of(s.bounds_scene)) + " m\n";
   text += contours_text(scene);
+  text += scenes_text(s.scenes);
   text += animations_text(s);
   text += declarations_text(scene);
   text += formatted("  loaded in %.1f ms: parse %.1f, mesh %.1f, index %.1f\n", load_ms(s),
@@ -428,8 +471,8 @@ std::string scene_text(const std::string& path, const Scene& scene) {
   text += memory_text(s);
   if (s.scale != 1.0) text += formatted("  scale %.6g\n", s.scale);
   for (const std::string& note : s.notes) text += "  " + printable(with_option_names(note)) + "\n";
-  for (const std::string& warning : s.warnings) {
-    text += "  warning: " + printable(with_option_names(warning)) + "\n";
+  for (const std::string& warning : warning_lines(s)) {
+    text += "  warning: " + printable(warning) + "\n";
   }
   return text;
 }

@@ -210,7 +210,7 @@ int run(const RunRequest& command) {
   if (!done) return refuse(done.error());
   const std::vector<ExplorationRun>& runs = *done;
   if (runs.empty()) return report_nothing_done();
-  std::vector<std::string> warnings = not_understood_lines(prepared->scene);
+  std::vector<std::string> warnings = load_warning_lines(prepared->scene);
   const Result<bool> has_picture =
       draw(runs, prepared->setup.actuation, command.scene.path, *files, warnings);
   if (!has_picture) return refuse(has_picture.error());

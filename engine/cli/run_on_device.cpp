@@ -108,7 +108,7 @@ std::string ending_line(const DeviceRun& run) {
 int report_run(const RunRequest& request, const PreparedRun& prepared, const DeviceFacts& facts,
                const DeviceRun& run, const ExplorationRun& shown,
                const std::vector<RecordingResult>& recordings) {
-  std::vector<std::string> warnings = not_understood_lines(prepared.scene);
+  std::vector<std::string> warnings = load_warning_lines(prepared.scene);
   for (const std::string& warning : device_warnings(run)) warnings.push_back(warning);
   for (const std::string& line : recording_warnings(recordings)) warnings.push_back(line);
   const std::string ending = ending_line(run);

@@ -37,6 +37,14 @@ void add_scene(CLI::App& app, SceneOptions& scene, bool is_required) {
   app.add_option("--node", scene.node,
                  "load only this node and its descendants, by name or \"#number\" (info --list)")
       ->group(kSceneGroup);
+  app.add_option("--scene", scene.listed_scene,
+                 "load this scene of the file, by its number or name; digits are always a number "
+                 "(info lists the scenes) [the file's default scene]")
+      ->type_name("N|NAME")
+      ->group(kSceneGroup);
+  app.add_flag("--feel-hidden", scene.feels_hidden,
+               "load nodes that the file hides (KHR_node_visibility), too")
+      ->group(kSceneGroup);
   add_real(app, "--scale", scene.scale, kAboveZero, "scale the scene by this factor")
       ->group(kSceneGroup);
   add_fit(app, scene)->group(kSceneGroup);
@@ -63,6 +71,8 @@ Result<SceneSettings> scene_settings_of(const SceneOptions& options, double prox
   SceneSettings settings;
   settings.proxy_radius_m = proxy_radius_m;
   settings.node = options.node;
+  settings.listed_scene = options.listed_scene;
+  settings.feels_hidden = options.feels_hidden;
   settings.pose = options.pose;
   settings.close_gaps_m = options.close_gaps_m.value_or(0.0);
   if (options.scale && options.fit_size_m) {

@@ -18,6 +18,8 @@ namespace palpate {
 struct SceneOptions {
   std::string path;
   std::string node;
+  std::string listed_scene;  // a number or a name; empty: the file's default scene
+  bool feels_hidden = false;
   std::optional<double> scale;
   std::optional<double> fit_size_m;
   bool fits_workspace = false;  // --fit auto: scale to the workspace if the scene does not fit

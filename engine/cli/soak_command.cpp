@@ -224,7 +224,7 @@ int SoakCommand::report(const PreparedRun& prepared, const SoakRun& run, OutputF
   } else {
     std::cout << text << "report in " << request_.out_dir << "/\n";
   }
-  std::vector<std::string> warnings = not_understood_lines(prepared.scene);
+  std::vector<std::string> warnings = load_warning_lines(prepared.scene);
   if (!run.realtime.explanation.empty()) warnings.push_back(run.realtime.explanation);
   return exit_code_after_signals(finish_output(warnings));
 }

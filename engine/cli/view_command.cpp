@@ -17,6 +17,7 @@
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
+#include "engine/cli/effects_report.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/open_browser.h"
 #include "engine/cli/prepared_run.h"
@@ -123,8 +124,9 @@ void print_ticks(const HapticThread& thread) {
 }
 
 // Serves until a signal. The force is zero before anything that may wait for a client.
+// warnings: about the scene.
 std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
-                           ViewSession& session) {
+                           const std::vector<std::string>& warnings, ViewSession& session) {
   allow_many_files();
   const auto server = ViewServer::listen(request.server, page, session);
   if (!server) {
@@ -145,6 +147,7 @@ std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
   (*server)->start();
   if (auto error = session.start()) return error;
   print_addresses(request, **server);
+  for (const std::string& warning : warnings) warn(warning);
   for (const std::string& warning : session.warnings()) warn(warning);
   std::unique_ptr<OpenedBrowser> browser;
   if (request.opens_browser) {
@@ -194,7 +197,7 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
   if (Recorder* const r = recorder->get()) settings.recording = {r, [r] { return r->failure(); }};
   const auto session = ViewSession::create(prepared->scene, prepared->setup, settings, device);
   if (!session) return refuse(with_path(session.error(), request.run.scene.path));
-  const auto refusal = serve(request, *page, **session);
+  const auto refusal = serve(request, *page, load_warning_lines(prepared->scene), **session);
   std::vector<RecordingResult> recordings;
   if (auto recording = finish_recording(std::move(*recorder), "interrupted")) {
     recordings.push_back(std::move(*recording));

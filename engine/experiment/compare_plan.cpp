@@ -69,6 +69,8 @@ PlanJson object_json(const SceneSettings& scene, const std::string& file) {
   } else {
     json["scale"] = scene.scale;
   }
+  if (!scene.listed_scene.empty()) json["scene"] = scene.listed_scene;
+  if (scene.feels_hidden) json["feel_hidden"] = true;
   if (!scene.pose.empty()) json["pose"] = scene.pose;
   if (scene.close_gaps_m > 0.0) json["close_gaps_m"] = scene.close_gaps_m;
   return json;

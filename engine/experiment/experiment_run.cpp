@@ -60,7 +60,7 @@ Result<ExperimentRunOutcome> run_experiment(const ExperimentPlan& plan,
   auto done = run_dealt(dealt_experiment(plan, *scenes, functions, settings),
                         {folder, settings.shard, settings.jobs}, progress, stop);
   if (!done) return done.error();
-  ExperimentRunOutcome outcome{std::move(*done), std::nullopt};
+  ExperimentRunOutcome outcome{std::move(*done), std::nullopt, scene_warnings(plan, *scenes)};
   if (settings.shard || !outcome.not_done.empty()) return outcome;
   auto merged = merge_experiment({folder}, folder);
   if (!merged) return merged.error();

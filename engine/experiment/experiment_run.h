@@ -25,6 +25,7 @@ struct ExperimentRunSettings {
 // The units are participants.
 struct ExperimentRunOutcome : DealtOutcome {
   std::optional<MergedExperiment> merged;  // no value: a shard, or stopped
+  std::vector<std::string> scene_warnings;
 };
 
 // Runs the participants of the shard as run_dealt() does. The bytes of all results depend only on

@@ -9,6 +9,7 @@
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/plan_device.h"
 #include "engine/experiment/statistics_text.h"
+#include "engine/scene/load_warnings.h"
 #include "engine/simulation/placed_bounds.h"
 #include "engine/simulation/plane_height.h"
 #include "engine/simulation/simulated_device.h"
@@ -198,6 +199,18 @@ Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan
     }
   }
   return scenes;
+}
+
+std::vector<std::string> scene_warnings(const ExperimentPlan& plan,
+                                        const std::vector<ExperimentScene>& scenes) {
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < plan.objects.size() && i < scenes.size(); ++i) {
+    for (std::string& line : load_warnings(scenes[i].scene)) {
+      const Error named = with_plan_keys(Error{ErrorCode::kInvalidContent, "", "", line, ""});
+      warnings.push_back(plan.objects[i].path + ": " + named.problem);
+    }
+  }
+  return warnings;
 }
 
 std::optional<Error> check_persons(const ExperimentPlan& plan, const RunSetup& setup) {

@@ -47,6 +47,11 @@ std::size_t scene_index(const ExperimentPlan& plan, const PlanVariant& variant, 
 Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan& plan,
                                                             const TrialFunctions& functions);
 
+// The load_warnings() of the objects, each after the file of the object and with the keys of the
+// plan in place of fields. scenes: those of load_experiment_scenes().
+std::vector<std::string> scene_warnings(const ExperimentPlan& plan,
+                                        const std::vector<ExperimentScene>& scenes);
+
 // Returns an error if the hand of a person is unstable on this device. Calls check_plant() for
 // every participant of the plan.
 std::optional<Error> check_persons(const ExperimentPlan& plan, const RunSetup& setup);

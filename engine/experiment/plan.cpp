@@ -45,6 +45,18 @@ bool is_object_name(const std::string& name) {
          name.find_first_not_of(kAllowed) == std::string::npos;
 }
 
+// The number or the name of one of the scenes of a file.
+void read_listed_scene(ObjectReader& reader, std::string& scene) {
+  constexpr std::uint64_t kMostScenes = std::uint64_t{1} << 32;
+  const Json* const value = reader.find("scene", Key::kOptional);
+  if (!value || !value->is_number()) {
+    return reader.text("scene", scene, Key::kOptional, kMostProseBytes);
+  }
+  std::uint64_t number = 0;
+  reader.whole("scene", number, 0, kMostScenes, Key::kOptional);
+  scene = std::to_string(number);
+}
+
 // The value of an object: a file name, or an object with the settings of the scene.
 std::optional<Error> read_scene(const Json& value, const std::string& element, PlanObject& object) {
   if (value.is_string()) {
@@ -58,6 +70,8 @@ std::optional<Error> read_scene(const Json& value, const std::string& element, P
   ObjectReader reader(value, element);
   reader.text("file", object.file, Key::kRequired, kMostProseBytes);
   reader.text("node", object.scene.node, Key::kOptional, kMostProseBytes);
+  read_listed_scene(reader, object.scene.listed_scene);
+  reader.flag("feel_hidden", object.scene.feels_hidden, Key::kOptional);
   reader.text("pose", object.scene.pose, Key::kOptional, kMostProseBytes);
   std::optional<double> scale;
   std::optional<double> fit_size_m;

@@ -47,10 +47,11 @@ inline constexpr NumberRange kScaleRange{0.0, 1e6, true};
 
 // An object that the hand follows.
 struct PlanObject {
-  std::string name;     // letters, digits, "_", "-" and "."
-  std::string file;     // as the plan states it: relative to the folder of the plan
-  std::string path;     // of the file, from the current folder
-  SceneSettings scene;  // node, scale, fit_size_m, pose and close_gaps_m
+  std::string name;  // letters, digits, "_", "-" and "."
+  std::string file;  // as the plan states it: relative to the folder of the plan
+  std::string path;  // of the file, from the current folder
+  // node, listed_scene, feels_hidden, scale, fit_size_m, pose and close_gaps_m
+  SceneSettings scene;
 };
 
 // The conditions of a trial, apart from its Following.
@@ -80,8 +81,9 @@ struct PlanVariant {
 //   haptic, rotation lists of one or more levels; or, in place of both:
 //   strategies       a list of one or more names of strategies (parse_strategy), none twice
 //   objects          {"O1": "star.glb"} or {"O1": {"file": "star.glb", ["node", "scale" or
-//                    "fit_size_m", "pose", "close_gaps_m"]}}; paths are relative to the folder
-//                    of the plan; a factor of `scale` below also multiplies close_gaps_m
+//                    "fit_size_m", "scene", "feel_hidden", "pose", "close_gaps_m"]}}; `scene` is
+//                    the number or the name of a scene of the file; paths are relative to the
+//                    folder of the plan; a factor of `scale` below also multiplies close_gaps_m
 //   operator         a name of kShippedOperators, or the path of an operator file
 //   followings       a list of one or more of the first kTurningFollowings of kFollowingNames.
 //                    A person who sees the scene still has the other three instead; a plan

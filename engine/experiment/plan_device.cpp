@@ -138,7 +138,9 @@ void read_mechanics(ObjectReader& reader, DeviceDescription& device) {
 }
 
 // Fields of settings and the keys of the plan, where they differ.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kOtherNames = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kOtherNames = {{
+    {"listed_scene", "scene"},
+    {"feels_hidden", "feel_hidden"},
     {"coupling.stiffness_N_per_m", "stiffness_N_per_m"},
     {"coupling.damping_Ns_per_m", "damping_Ns_per_m"},
     {"god_object.radius_m", "radius_m"},

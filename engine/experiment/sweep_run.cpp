@@ -126,7 +126,8 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
   if (!scenes) return scenes.error();
   auto done = run_dealt(dealt_sweep(sweep, points, *scenes, functions), settings, progress, stop);
   if (!done) return done.error();
-  SweepOutcome outcome{std::move(*done), std::nullopt};
+  SweepOutcome outcome{std::move(*done), std::nullopt,
+                       scene_warnings(sweep.plan, scenes->begin()->second)};
   if (settings.shard || !outcome.not_done.empty()) return outcome;
   auto merged = merge_sweep({settings.out_folder}, settings.out_folder);
   if (!merged) return merged.error();

@@ -28,6 +28,7 @@ struct MergedSweep {
 // The units are points.
 struct SweepOutcome : DealtOutcome {
   std::optional<MergedSweep> merged;  // no value: a shard, or stopped
+  std::vector<std::string> scene_warnings;
 };
 
 // Runs the points of the shard as run_dealt() does, with run_participant() for each participant of

@@ -223,6 +223,21 @@ void read_joins(MetaReader& reader, SceneSettings& scene) {
   }
 }
 
+// Recordings of before do not have the key: hidden nodes were felt.
+constexpr const char* kHiddenKey = "scene.feels_hidden";
+constexpr const char* kListedSceneKey = "scene.listed_scene";
+
+void write_choice(const SceneSettings& scene, MetaWriter& writer) {
+  writer(kHiddenKey, scene.feels_hidden);
+  if (!scene.listed_scene.empty()) writer(kListedSceneKey, scene.listed_scene);
+}
+
+void read_choice(MetaReader& reader, SceneSettings& scene) {
+  scene.feels_hidden = true;
+  if (reader.has(kHiddenKey)) reader(kHiddenKey, scene.feels_hidden);
+  if (reader.has(kListedSceneKey)) reader(kListedSceneKey, scene.listed_scene);
+}
+
 void write_align(HapticSettings& settings, MetaWriter& writer) {
   if (settings.a4.align == Alignment::kNearest) return;
   writer(kAlignKey, Choice<Alignment>{settings.a4.align, Alignment::kForward});
@@ -412,6 +427,7 @@ Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup) {
   meta["scene.place"] = fs::absolute(setup.scene_path, failed).string();
   meta["scene.overrides"] = overrides_json(setup.scene.overrides);
   write_joins(copy.scene, writer);
+  write_choice(copy.scene, writer);
   write_actuation(setup.actuation, writer);
   writer("files", files->size());
   for (std::size_t i = 0; i < files->size(); ++i) {
@@ -449,6 +465,7 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
   reader("scene.overrides", overrides);
   session.setup.scene.overrides = overrides_of("scene.overrides", overrides, reader);
   read_joins(reader, session.setup.scene);
+  read_choice(reader, session.setup.scene);
   read_actuation(reader, session.setup.actuation);
   read_files(reader, session.files);
   if (!reader.has("device.name")) {

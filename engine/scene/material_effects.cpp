@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "engine/scene/extras_keys.h"
 #include "engine/scene/material_parameters.h"
 
 namespace palpate {
@@ -85,7 +86,8 @@ class Compiler {
     if (known == std::end(kKeyNames)) {
       if (source == kOverrideSource) return unknown_key(parameter);
       result_.report.not_understood.push_back(
-          {parameter.key, parameter.value, parameter.element, "the key is unknown"});
+          {parameter.key, parameter.value, parameter.element,
+           extras_keys().why_unknown(parameter.key, kOfMaterial)});
       return std::nullopt;
     }
     const double* number = std::get_if<double>(&parameter.value);
@@ -106,8 +108,8 @@ class Compiler {
   }
 
   MaybeError add_solid(const MaterialParameter& parameter) {
-    const bool* solid = std::get_if<bool>(&parameter.value);
-    if (!solid) return parameter_error(owner_, parameter, "true or false");
+    const auto solid = checked_flag(owner_, parameter);
+    if (!solid) return solid.error();
     result_.is_solid = *solid;
     solid_ = parameter;
     result_.report.honoured.push_back(

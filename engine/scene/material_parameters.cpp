@@ -19,6 +19,24 @@ std::string number_text(double x) {
   return {text.data(), end};
 }
 
+bool is_number(const std::string& text) {
+  double number = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [rest, failed] = std::from_chars(text.data(), end, number);
+  return failed == std::errc() && rest == end;
+}
+
+// How to write a value that a program wrote with the wrong type.
+std::string type_hint(const MaterialValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  if (text && (is_number(*text) || *text == "true" || *text == "false")) {
+    return "write " + *text + " without quotation marks";
+  }
+  const auto* list = std::get_if<std::vector<double>>(&value);
+  if (list && list->size() == 1) return "write " + number_text(list->front()) + " without brackets";
+  return "";
+}
+
 }  // namespace
 
 std::string source_of(const MaterialParameter& parameter) {
@@ -58,7 +76,8 @@ Error not_built_error(const std::string& owner, const MaterialParameter& paramet
 Error parameter_error(const std::string& owner, const MaterialParameter& parameter,
                       const std::string& expected) {
   return error_at(owner, parameter,
-                  parameter.key + " is " + value_text(parameter.value) + "; expected " + expected);
+                  parameter.key + " is " + value_text(parameter.value) + "; expected " + expected,
+                  type_hint(parameter.value));
 }
 
 std::string expected_text(const ParameterKey& key) {
@@ -84,6 +103,13 @@ Result<double> checked_number(const std::string& owner, const MaterialParameter&
                            !(key.least_is_excluded && *number == key.least);
   if (!is_in_range) return parameter_error(owner, parameter, expected_text(key));
   return *number == 0.0 ? 0.0 : *number;  // replaces -0 by 0
+}
+
+Result<bool> checked_flag(const std::string& owner, const MaterialParameter& parameter) {
+  if (const auto* flag = std::get_if<bool>(&parameter.value)) return *flag;
+  const auto* number = std::get_if<double>(&parameter.value);
+  if (number && (*number == 0.0 || *number == 1.0)) return *number == 1.0;
+  return parameter_error(owner, parameter, "true or false, or 1 or 0");
 }
 
 }  // namespace palpate

@@ -42,6 +42,10 @@ Error not_built_error(const std::string& owner, const MaterialParameter& paramet
 Result<double> checked_number(const std::string& owner, const MaterialParameter& parameter,
                               const ParameterKey& key);
 
+// The value of a key that is true or false. The numbers 1 and 0 stand for them, because panels for
+// custom properties write them so. Returns a parameter_error() for another value.
+Result<bool> checked_flag(const std::string& owner, const MaterialParameter& parameter);
+
 // The allowed values of a key, e.g. "a number from 0 to 1e+06 N/m".
 std::string expected_text(const ParameterKey& key);
 

@@ -81,7 +81,8 @@ std::string tree_text(std::span<const TreeNode> tree) {
   for (const TreeNode& node : tree) {
     depths.push_back(node.parent ? depths[*node.parent] + 1 : 0);
     text += std::string(2 + 2 * depths.back(), ' ') + printable(node.name) + "  #" +
-            std::to_string(node.file_index) + (node.has_mesh ? "  mesh" : "") + "\n";
+            std::to_string(node.file_index) + (node.has_mesh ? "  mesh" : "") +
+            (node.is_hidden ? "  hidden" : "") + "\n";
   }
   return text;
 }

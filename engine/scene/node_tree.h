@@ -21,8 +21,8 @@ std::uint32_t end_of_subtree(std::span<const TreeNode> tree, std::uint32_t node)
 // Removes all nodes except the subtree of one node. That node keeps its pose in the scene.
 void keep_subtree(SceneDescription& description, std::uint32_t node);
 
-// The tree as text. Each node has one line, indented by its depth: name, number, and "mesh" if the
-// node has a mesh.
+// The tree as text. Each node has one line, indented by its depth: name, number, "mesh" if the node
+// has a mesh, and "hidden" if it is hidden and not read.
 std::string tree_text(std::span<const TreeNode> tree);
 
 }  // namespace palpate

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "engine/scene/extras_keys.h"
+#include "engine/scene/load_warnings.h"
 #include "engine/scene/memory_budget.h"
 #include "engine/scene/node_placement.h"
 #include "engine/scene/node_tree.h"
@@ -107,6 +109,9 @@ Result<Scene> Scene::load(const std::string& path, const SceneSettings& settings
     ledger.begin("loading the scene");
     ReadOptions options{settings.overrides, settings.pose};
     options.memory = memory_limit(settings.max_memory_bytes);
+    options.scene = settings.listed_scene;
+    options.feels_hidden = settings.feels_hidden;
+    options.key_names = &extras_keys();
     Result<SceneDescription> description = read_gltf(path, options);
     if (!description) return description.error();
     ledger = MemoryLedger(std::move(options.memory));
@@ -159,7 +164,8 @@ Result<Scene> Scene::compile(SceneDescription&& given, const SceneSettings& sett
     const bool left_out = statistics.warnings.size() > reader_warnings;
     return Error{ErrorCode::kEmptyScene, description.path, "scene",
                  "no node has a triangle with area; expected at least one",
-                 left_out ? statistics.warnings[reader_warnings] : std::string()};
+                 left_out ? statistics.warnings[reader_warnings]
+                          : hidden_nodes_text(statistics.hidden_nodes)};
   }
   std::vector<Box> boxes = bounding_boxes(scene.welded_);
   Box bounds = bounds_in_scene(scene.welded_, boxes, description.nodes);
@@ -222,6 +228,9 @@ void Scene::take_declarations(SceneDescription& description) {
   statistics_.animations = std::move(description.animations);
   statistics_.pose = description.pose;
   statistics_.files_read = std::move(description.files_read);
+  statistics_.scenes = std::move(description.scenes);
+  statistics_.hidden_nodes = std::move(description.hidden_nodes);
+  statistics_.unapplied_extras = std::move(description.unapplied_extras);
   statistics_.notes = std::move(description.notes);
   statistics_.warnings = std::move(description.warnings);
   materials_ = std::move(description.materials);

@@ -50,6 +50,10 @@ struct SceneSettings {
   bool measures_gaps = false;
   // Limit on the memory used for loading; 0: half of the free memory (memory_budget.h).
   std::uint64_t max_memory_bytes = 0;
+  // The number or the name of one of the scenes that the file lists (GltfSceneChoice). Empty: the
+  // default scene. This and the next member are used by load() only.
+  std::string listed_scene = {};
+  bool feels_hidden = false;  // loads nodes that KHR_node_visibility hides like visible ones
 };
 
 // What was joined at the boundaries of all meshes (boundary_joins.h).
@@ -92,6 +96,9 @@ struct SceneStatistics {
   double index_ms = 0.0;
   MemoryBreakdown memory;               // one entry per purpose, in bytes
   std::vector<std::string> files_read;  // beside the file itself: buffers and images
+  ListedScenes scenes;
+  HiddenNodes hidden_nodes;
+  std::vector<std::string> unapplied_extras;  // one line each (SceneDescription)
   std::vector<std::string> notes;
   std::vector<std::string> warnings;
 };

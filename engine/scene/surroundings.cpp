@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "engine/scene/extras_keys.h"
 #include "engine/scene/material_parameters.h"
 #include "geometry/base/decompositions.h"
 
@@ -65,11 +66,12 @@ class Declaration {
     report_.honoured.push_back({parameter.key, parameter.value, std::string(unit),
                                 source_of(parameter), parameter.element, is_off});
   }
-  // Reports all parameters whose keys are not in the list.
-  void report_others(std::span<const std::string_view> keys) {
+  // Reports all parameters whose keys are not in the list. owner: of this part of the file.
+  void report_others(std::span<const std::string_view> keys, KeyOwner owner) {
     for (const MaterialParameter& p : parameters_) {
       if (std::find(keys.begin(), keys.end(), p.key) != keys.end()) continue;
-      report_.not_understood.push_back({p.key, p.value, p.element, "the key is unknown here"});
+      report_.not_understood.push_back(
+          {p.key, p.value, p.element, extras_keys().why_unknown(p.key, owner)});
     }
   }
   Error error(const MaterialParameter& parameter, std::string problem,
@@ -206,7 +208,8 @@ Result<SceneFields> scene_fields(const MaterialDescription& scene_parameters) {
   GravityEffect::Parameters gravity;
   if (auto error = read_gravity(declaration, gravity)) return *error;
   if (auto error = read_field(declaration, gravity)) return *error;
-  declaration.report_others(std::array{kSceneKeys[0].key, kSceneKeys[1].key, kSceneKeys[2].key});
+  declaration.report_others(std::array{kSceneKeys[0].key, kSceneKeys[1].key, kSceneKeys[2].key},
+                            kOfScene);
   const auto is_nonzero = [](const double(&v)[3]) {
     return v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0;
   };
@@ -239,8 +242,9 @@ Result<NodeMedium> node_medium(const RegionDescription& node, const Vec3& anchor
   result.region.half_m = *half_m;
   result.viscosity_Ns_per_m = *viscosity;
   if (auto error = place(node, anchor_scene_m, declaration, *medium, result.region)) return *error;
-  declaration.report_others(std::array{kMediumKey, kRegionKeys[0].key, kRegionKeys[1].key,
-                                       ViscosityEffect::kKeys[0].key});
+  declaration.report_others(
+      std::array{kMediumKey, kRegionKeys[0].key, kRegionKeys[1].key, ViscosityEffect::kKeys[0].key},
+      kOfNode);
   return result;
 }
 

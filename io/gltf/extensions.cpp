@@ -129,6 +129,7 @@ constexpr std::string_view kHarmless[] = {
     "KHR_mesh_quantization",
     "KHR_node_hoverability",
     "KHR_node_selectability",
+    "KHR_node_visibility",
     "KHR_physics_rigid_bodies",
     "KHR_rigid_bodies",
     "KHR_techniques_webgl",
@@ -214,7 +215,6 @@ constexpr Unsupported kUnsupported[] = {
     {"MAXAR_mesh_variants", "export one variant", "the default meshes are read"},
     {"MPEG_accessor_timed", "export the geometry of one moment",
      "only the data in the file are read, no streamed data"},
-    {"KHR_node_visibility", "delete the hidden nodes", "hidden nodes are read like visible ones"},
 };
 
 bool is_known(std::string_view name) {

@@ -87,7 +87,13 @@ MaybeError PalpateExtras::read(const Json& object, const std::string& element,
   const Json* palpate = find_palpate_extras(object);
   if (palpate == nullptr) return std::nullopt;
   const std::string path = element + "/extras/palpate";
-  if (!palpate->is_object()) return gltf_expected(path, *palpate, "an object");
+  if (!palpate->is_object()) {
+    Error error = gltf_expected(path, *palpate, "an object");
+    error.hint =
+        "write \"palpate\": {\"stiffness\": 400}; in Blender, this is a custom property palpate of "
+        "the type Python with the value {\"stiffness\": 400}";
+    return error;
+  }
   return read_entries(*palpate, path, "", parameters);
 }
 

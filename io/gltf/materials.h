@@ -38,6 +38,9 @@ class GltfMaterials {
   // represented.
   Result<std::uint32_t> index_of(std::uint32_t id);
 
+  // Whether a triangle with this material of the file has been read.
+  bool is_used(std::uint32_t id) const { return indices_.contains(id); }
+
   // The maps that triangles with this material need in a mesh with this haptic material; a map that
   // is not needed is null. material and haptic: indices in the scene. Marks the maps for
   // decode_maps(). The pointers are valid until the next index_of().

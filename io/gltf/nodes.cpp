@@ -57,11 +57,6 @@ std::optional<Error> check_cycles(const tinygltf::Model& model, const std::vecto
   return std::nullopt;
 }
 
-std::optional<std::size_t> scene_to_read(const tinygltf::Model& model) {
-  if (model.scenes.empty()) return std::nullopt;
-  return model.defaultScene < 0 ? 0 : static_cast<std::size_t>(model.defaultScene);
-}
-
 // The root nodes of the scene, in file order.
 std::vector<int> scene_roots(const tinygltf::Model& model, std::optional<std::size_t> scene,
                              const std::vector<int>& parents, std::vector<std::string>& warnings) {
@@ -87,6 +82,7 @@ std::vector<int> scene_roots(const tinygltf::Model& model, std::optional<std::si
 struct PendingNode {
   std::size_t node = 0;
   std::size_t depth = 1;
+  bool is_hidden = false;  // an ancestor is hidden
   std::optional<std::uint32_t> tree_parent;
   AffineTransform T_scene_parent;
 };
@@ -137,6 +133,10 @@ std::optional<Error> check_visit(const PendingNode& next, const std::vector<bool
   return std::nullopt;
 }
 
+void count_hidden(const std::string& name, HiddenNodes& hidden) {
+  if (hidden.count++ < kMostHiddenNames) hidden.first_names.push_back(name);
+}
+
 // Adds the node to the lists of the members that its extras have.
 std::optional<Error> list_by_extras(const nlohmann::json& extras, const PlacedNode& placed,
                                     GltfNodeWalk& walk) {
@@ -152,17 +152,27 @@ std::optional<Error> list_by_extras(const nlohmann::json& extras, const PlacedNo
   return std::nullopt;
 }
 
+// Adds a visible node to the lists of what it has.
+std::optional<Error> list_node(const nlohmann::json& object, const PlacedNode& placed,
+                               const tinygltf::Node& node, GltfNodeWalk& walk) {
+  if (node.mesh >= 0) walk.mesh_nodes.push_back(placed);
+  const auto* extras = find_extras(object);
+  return extras ? list_by_extras(*extras, placed, walk) : std::nullopt;
+}
+
 }  // namespace
 
 Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
-                                std::vector<std::string>& warnings) {
+                                const GltfSceneChoice& choice, std::vector<std::string>& warnings) {
   const tinygltf::Model& model = asset.model;
   auto parents = find_parents(model);
   if (!parents) return parents.error();
   if (auto error = check_cycles(model, *parents)) return *error;
 
   GltfNodeWalk walk;
-  walk.scene = scene_to_read(model);
+  const auto scene = choose_scene(model, choice.scene);
+  if (!scene) return scene.error();
+  walk.scene = *scene;
   const bool has_skins = asset.json.contains("skins");
   if (has_skins) walk.T_scene_nodes.resize(model.nodes.size());
   walk.tree.reserve(model.nodes.size());
@@ -178,17 +188,24 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
     const auto T_scene_node = place(asset, pose, next.T_scene_parent, next.node);
     if (!T_scene_node) return T_scene_node.error();
     const tinygltf::Node& node = model.nodes[next.node];
+    const nlohmann::json& object = asset.json["nodes"][next.node];
+    bool hidden = next.is_hidden;
+    if (!hidden && !choice.feels_hidden) {
+      const auto own = is_hidden(object, next.node);
+      if (!own) return own.error();
+      hidden = *own;
+    }
     const auto tree_node = static_cast<std::uint32_t>(walk.tree.size());
     walk.tree.push_back({node.name.empty() ? "node " + std::to_string(next.node) : node.name,
                          static_cast<std::uint32_t>(next.node), next.tree_parent, node.mesh >= 0,
-                         T_scene_node->translation_m});
-    if (node.mesh >= 0) walk.mesh_nodes.push_back({next.node, tree_node, *T_scene_node});
-    if (const auto* extras = find_extras(asset.json["nodes"][next.node])) {
-      const auto error = list_by_extras(*extras, {next.node, tree_node, *T_scene_node}, walk);
-      if (error) return *error;
+                         T_scene_node->translation_m, hidden});
+    if (hidden) {
+      if (node.mesh >= 0) count_hidden(walk.tree.back().name, walk.hidden);
+    } else if (auto error = list_node(object, {next.node, tree_node, *T_scene_node}, node, walk)) {
+      return *error;
     }
     if (has_skins) walk.T_scene_nodes[next.node] = *T_scene_node;
-    push_all(node.children, {0, next.depth + 1, tree_node, *T_scene_node}, pending);
+    push_all(node.children, {0, next.depth + 1, hidden, tree_node, *T_scene_node}, pending);
   }
   walk.parents = std::move(*parents);
   return walk;

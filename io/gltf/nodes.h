@@ -1,6 +1,6 @@
 #pragma once
 
-// The node hierarchy of one scene: the default scene, else the first scene, else all root nodes.
+// The node hierarchy of one scene of the file.
 
 #include <cstddef>
 #include <optional>
@@ -10,6 +10,7 @@
 #include "geometry/base/result.h"
 #include "io/gltf/accessor.h"
 #include "io/gltf/animation.h"
+#include "io/gltf/scene_choice.h"
 #include "io/gltf/transform.h"
 #include "io/scene_description.h"
 
@@ -21,6 +22,7 @@ struct PlacedNode {
   AffineTransform T_scene_node;  // product over the node and its ancestors; finite
 };
 
+// Hidden nodes are in the tree only, unless the choice reads them.
 struct GltfNodeWalk {
   std::vector<PlacedNode> mesh_nodes;  // nodes with a mesh, depth first in file order
   std::vector<TreeNode> tree;          // all nodes of the scene, depth first in file order
@@ -28,6 +30,7 @@ struct GltfNodeWalk {
   std::optional<std::size_t> scene;         // index into /scenes; absent: all roots
   std::vector<PlacedNode> declaring_nodes;  // nodes with extras.palpate, depth first
   std::vector<PlacedNode> contour_nodes;    // nodes with extras.palpate_contour, depth first
+  HiddenNodes hidden;                       // nodes with a mesh that are left out
 
   std::vector<int> parents;  // of all nodes of the file; negative: no parent
   // For scene_transform(). If the file has skins, there is one entry for each node of the file, and
@@ -36,12 +39,12 @@ struct GltfNodeWalk {
 };
 
 // Traverses the nodes with the transforms of the pose. The ids in the model must be within range
-// (see gltf/schema.h). Errors: a node with two parents, a cycle, a node that the scene reaches
-// twice, nodes deeper than kMaxGltfNodeDepth, more contours than kMaxGltfContours, an invalid or
-// overflowing transform. If a root of the scene has a parent, the parent is ignored, with a
-// warning. Iterative; each node is visited once. Thread-safe.
+// (see gltf/schema.h). Errors: those of choose_scene() and is_hidden(), a node with two parents, a
+// cycle, a node that the scene reaches twice, nodes deeper than kMaxGltfNodeDepth, more contours
+// than kMaxGltfContours, an invalid or overflowing transform. If a root of the scene has a parent,
+// the parent is ignored, with a warning. Iterative; each node is visited once. Thread-safe.
 Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
-                                std::vector<std::string>& warnings);
+                                const GltfSceneChoice& choice, std::vector<std::string>& warnings);
 
 // The transform of a node, in particular a joint, to the scene frame. If the walk has not reached
 // the node, the product over its ancestors is computed and stored in the walk. Iterative; the

@@ -39,6 +39,7 @@
 #include "io/gltf/primitives.h"
 #include "io/gltf/skin.h"
 #include "io/gltf/tinygltf.h"
+#include "io/gltf/unapplied_extras.h"
 
 namespace palpate {
 namespace {
@@ -72,10 +73,12 @@ class SceneReader {
     auto pose = GltfPose::choose(asset_, options_.pose, budget_.pose_work, scene_.warnings);
     if (!pose) return pose.error();
     pose_ = std::move(*pose);
-    auto walk = walk_nodes(asset_, pose_, scene_.warnings);
+    auto walk = walk_nodes(asset_, pose_, {options_.scene, options_.feels_hidden}, scene_.warnings);
     if (!walk) return walk.error();
     walk_ = &*walk;
     scene_.tree = std::move(walk->tree);
+    scene_.hidden_nodes = walk->hidden;
+    list_scenes();
     if (auto error = read_extras()) return *error;
     auto materials = GltfMaterials::open(asset_.json, extras_, options_.overrides);
     if (!materials) return materials.error();
@@ -85,8 +88,7 @@ class SceneReader {
       if (auto error = add_node(placed)) return *error;
     }
     if (scene_.meshes.empty()) {
-      return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle",
-                        scene_.warnings.size() > first_loss_ ? scene_.warnings[first_loss_] : "");
+      return gltf_error(ErrorCode::kEmptyScene, {}, "the scene has no triangle", empty_hint());
     }
     read_contours();
     GltfImages images(asset_);
@@ -97,8 +99,12 @@ class SceneReader {
     note_variants(asset_.json, scene_.notes);
     scene_.animations = list_animations(asset_, scene_.warnings);
     scene_.pose = pose_.description();
+    note_animated_visibility(asset_.json, scene_.notes);
     add_notes();
     shorten_warnings();
+    if (options_.key_names) {
+      scene_.unapplied_extras = unapplied_extras(asset_, applied_elements(), *options_.key_names);
+    }
     return std::move(scene_);
   }
 
@@ -113,6 +119,42 @@ class SceneReader {
 
     auto operator<=>(const PosedMesh&) const = default;
   };
+
+  void list_scenes() {
+    const auto& scenes = asset_.model.scenes;
+    scene_.scenes.count = scenes.size();
+    scene_.scenes.loaded = walk_->scene;
+    for (std::size_t i = 0; i < scenes.size() && i < kMostListedScenes; ++i) {
+      scene_.scenes.names.push_back(scenes[i].name);
+    }
+  }
+
+  // Why the scene may be empty.
+  std::string empty_hint() const {
+    if (scene_.hidden_nodes.count > 0) {
+      return std::to_string(scene_.hidden_nodes.count) +
+             " nodes with a mesh are hidden (KHR_node_visibility); read them with "
+             "`SceneSettings::feels_hidden`";
+    }
+    return scene_.warnings.size() > first_loss_ ? scene_.warnings[first_loss_] : "";
+  }
+
+  AppliedElements applied_elements() const {
+    AppliedElements applied;
+    applied.materials.resize(count_of("materials"));
+    for (std::size_t i = 0; i < applied.materials.size(); ++i) {
+      applied.materials[i] = materials_->is_used(static_cast<std::uint32_t>(i));
+    }
+    applied.nodes.resize(asset_.model.nodes.size());
+    for (const TreeNode& node : scene_.tree) applied.nodes[node.file_index] = !node.is_hidden;
+    applied.scene = walk_->scene;
+    return applied;
+  }
+
+  std::size_t count_of(const char* section) const {
+    const auto list = asset_.json.find(section);
+    return list == asset_.json.end() || !list->is_array() ? 0 : list->size();
+  }
 
   // Reads the extras.palpate of the scene and its nodes.
   std::optional<Error> read_extras() {
@@ -141,10 +183,9 @@ class SceneReader {
                              placed.T_scene_node.linear,
                              placed.T_scene_node.translation_m};
     if (auto error = extras_.read(object, element, region.parameters)) return error;
+    // unapplied_extras() states where the keys of another group belong.
     if (find_palpate_extras(object)->contains("medium")) {
       scene_.regions.push_back(std::move(region));
-    } else {
-      warn(region.element, name, "is ignored: the only known key of a node, \"medium\", is absent");
     }
     return std::nullopt;
   }

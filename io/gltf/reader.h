@@ -7,6 +7,7 @@
 
 #include "geometry/base/memory_ledger.h"
 #include "geometry/base/result.h"
+#include "io/key_names.h"
 #include "io/scene_description.h"
 
 namespace palpate {
@@ -18,15 +19,20 @@ struct ReadOptions {
   // number of an animation (see GltfPose::choose). Empty: the rest pose.
   std::string pose = {};
   MemoryLimit memory = {};  // limit for reading
+  // The number or the name of a scene of the file (see GltfSceneChoice). Empty: the default scene.
+  std::string scene = {};
+  bool feels_hidden = false;  // reads nodes that KHR_node_visibility hides like visible ones
+  // The keys of extras.palpate, for lines about keys in other places; null: keys are not searched.
+  const KeyNames* key_names = nullptr;
 };
 
 // Reads the triangle geometry and the haptic declarations of materials (gltf/materials.h) of a glTF
 // 2.0 asset. The asset is a .gltf with embedded or external buffers, or a .glb; the content
-// determines the format. Reads the default scene, else the first scene, else all root nodes, with
-// the full node hierarchy. Supports TRIANGLES, TRIANGLE_STRIP and TRIANGLE_FAN, every index type,
-// sparse and normalised accessors, Draco and meshopt compression, and EXT_mesh_gpu_instancing. Only
-// images that a haptic material or textureHeight requires are decoded (material_description.h).
-// External files are read only from inside the folder of the asset.
+// determines the format. Reads one scene, with the full node hierarchy and without hidden nodes.
+// Supports TRIANGLES, TRIANGLE_STRIP and TRIANGLE_FAN, every index type, sparse and normalised
+// accessors, Draco and meshopt compression, and EXT_mesh_gpu_instancing. Only images that a haptic
+// material or textureHeight requires are decoded (material_description.h). External files are read
+// only from inside the folder of the asset.
 //
 // Skins, morph targets and animated nodes are read in one pose, which ReadOptions::pose selects.
 // The rest pose has the node transforms and morph weights of the file (see gltf/animation.h,

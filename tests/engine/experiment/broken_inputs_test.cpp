@@ -334,6 +334,21 @@ const std::vector<Breakage>& broken_plans() {
          j["objects"]["O2"] = {{"file", "a.glb"}, {"close_gaps_m", 0}};
        },
        "/objects/O2/close_gaps_m", "above 0"},
+      {"object with the scene -1",
+       [](Json& j) {
+         j["objects"]["O2"] = {{"file", "a.glb"}, {"scene", -1}};
+       },
+       "/objects/O2/scene", "whole number"},
+      {"object whose scene is a list",
+       [](Json& j) {
+         j["objects"]["O2"] = {{"file", "a.glb"}, {"scene", {1}}};
+       },
+       "/objects/O2/scene", "text"},
+      {"object that feels hidden nodes by number",
+       [](Json& j) {
+         j["objects"]["O2"] = {{"file", "a.glb"}, {"feel_hidden", 1}};
+       },
+       "/objects/O2/feel_hidden", "true or false"},
       {"object whose gaps are a text",
        [](Json& j) {
          j["objects"]["O2"] = {{"file", "a.glb"}, {"close_gaps_m", "auto"}};
@@ -709,11 +724,10 @@ TEST(Plan, TakesEverySettingOfRun) {
       "work_budget": 1000, "radius_m": 0.001, "plane_height_m": 0.002, "workspace_m": 0.5,
       "place": [0.01, 0, 0, 0, 0, 0, 1], "table1": "printed", "a4_step": "paper",
       "device_mass_kg": 0.2, "device_damping_Ns_per_m": 0.7, "device_friction_N": 0.03})");
-  json["objects"]["O1"] = {{"file", "a.glb"},
-                           {"node", "Star"},
-                           {"fit_size_m", 0.1},
-                           {"pose", "Walk@1.5"},
+  json["objects"]["O1"] = {{"file", "a.glb"},      {"node", "Star"}, {"fit_size_m", 0.1},
+                           {"pose", "Walk@1.5"},   {"scene", 1},     {"feel_hidden", true},
                            {"close_gaps_m", 0.001}};
+  json["objects"]["O2"] = {{"file", "a.glb"}, {"scene", "second"}};
   const auto plan = parse_plan(to_text(json), "plan.json", "");
   ASSERT_TRUE(plan.ok()) << plan.error().to_string();
   const RunSettings& device = plan->device;
@@ -739,7 +753,11 @@ TEST(Plan, TakesEverySettingOfRun) {
   EXPECT_EQ(plan->objects[0].scene.node, "Star");
   EXPECT_EQ(plan->objects[0].scene.fit_size_m, 0.1);
   EXPECT_EQ(plan->objects[0].scene.pose, "Walk@1.5");
+  EXPECT_EQ(plan->objects[0].scene.listed_scene, "1");
+  EXPECT_TRUE(plan->objects[0].scene.feels_hidden);
   EXPECT_EQ(plan->objects[0].scene.close_gaps_m, 0.001);
+  EXPECT_EQ(plan->objects[1].scene.listed_scene, "second");
+  EXPECT_FALSE(plan->objects[1].scene.feels_hidden);
 }
 
 TEST(Plan, HashIgnoresLayoutAndPlacesOfFilesOnly) {

@@ -229,6 +229,49 @@ TEST(RecordedScene, AGapThatWasClosedIsClosedAgain) {
   EXPECT_FALSE(recorded.replays());
 }
 
+// A square in each of two scenes; the square of scene 1 lies higher, and has a hidden copy above
+// it.
+GltfBuilder two_scenes() {
+  Soup soup;
+  soup.add_quad({0, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0, 0.1, 0});
+  GltfBuilder gltf;
+  const std::size_t mesh = add_mesh_of(gltf, soup);
+  gltf.add_node({{"mesh", mesh}});
+  gltf.json["nodes"].push_back({{"mesh", mesh}, {"translation", {0, 0, 0.05}}});
+  gltf.json["nodes"].push_back({{"mesh", mesh},
+                                {"translation", {0, 0, 0.0505}},
+                                {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
+  gltf.json["scenes"].push_back({{"nodes", {1, 2}}});
+  return gltf;
+}
+
+TEST(RecordedScene, IsTheChosenOneAgainWithoutHiddenNodes) {
+  const RecordedScene recorded(two_scenes());
+  RecordedSetup setup;
+  setup.scene.listed_scene = "1";
+  const StrokingDevice device({0.05, 0.05, 0.05}, Vec3::UnitZ(), {0.01, 0, 0}, {0, 0.01, 0});
+  EXPECT_GT(recorded.record(setup, device), kTicks / 4);
+  EXPECT_EQ(recorded.loaded().objects().size(), 1u);
+  EXPECT_TRUE(recorded.replays());
+  // Programs that felt hidden nodes did not write the key.
+  recorded.remove_key("scene.feels_hidden");
+  EXPECT_EQ(recorded.loaded().objects().size(), 2u);
+  EXPECT_FALSE(recorded.replays());
+  recorded.remove_key("scene.listed_scene");
+  EXPECT_EQ(recorded.loaded().statistics().scenes.loaded, 0u);
+}
+
+TEST(RecordedScene, WithHiddenNodesThatWereFeltFeelsThemAgain) {
+  const RecordedScene recorded(two_scenes());
+  RecordedSetup setup;
+  setup.scene.listed_scene = "1";
+  setup.scene.feels_hidden = true;
+  const StrokingDevice device({0.05, 0.05, 0.0505}, Vec3::UnitZ(), {0.01, 0, 0}, {0, 0.01, 0});
+  EXPECT_GT(recorded.record(setup, device), kTicks / 4);
+  EXPECT_EQ(recorded.loaded().objects().size(), 2u);
+  EXPECT_TRUE(recorded.replays());
+}
+
 // Before the rule of counting had a number, less work counted and effects had no budget. A large
 // sphere on a fine surface runs out of a small budget in most ticks.
 TEST(RecordedScene, WithoutARuleOfCountingReplaysByTheFirstOne) {

@@ -76,7 +76,7 @@ TEST(ExtrasSchema, HasTheKeysOfTheEffects) {
   std::set<std::string> keys{std::string(kSolidKey)};
   for (const EffectKeyName& name : effect_key_names()) keys.emplace(name.key);
   EXPECT_EQ(keys_of(properties), keys);
-  EXPECT_EQ(properties["solid"]["type"], "boolean");
+  EXPECT_EQ(properties["solid"]["enum"], json({true, false, 1, 0}));
   EXPECT_EQ(properties["solid"]["default"], true);
   for (const EffectType& type : compiled_effects()) {
     for (const ParameterKey& key : type.keys) {
@@ -112,7 +112,7 @@ TEST(ExtrasSchema, RequiresTheKeysThatEffectsRequire) {
     }
   }
   EXPECT_EQ(demands.size(), 2u);
-  json medium = demand("solid", {{"const", false}}, "viscosity");
+  json medium = demand("solid", {{"enum", {false, 0}}}, "viscosity");
   medium["then"]["properties"]["viscosity"] = above_zero;
   demands.push_back(medium);
   const json stated = schema()["$defs"]["material"]["allOf"];

@@ -1,0 +1,445 @@
+#include "io/gltf/unapplied_extras.h"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "io/gltf/error.h"
+#include "io/gltf/tinygltf.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kGroup = "palpate";
+constexpr std::string_view kContour = "palpate_contour";
+constexpr std::string_view kMedium = "medium";
+
+// The path of a value; it becomes text only in a line.
+struct Path {
+  const Path* parent = nullptr;  // outlives this
+  std::string_view name = {};    // null data: an index
+  std::size_t index = 0;
+
+  Path operator/(std::string_view member) const { return {this, member, 0}; }
+  Path operator/(std::size_t i) const { return {this, {}, i}; }
+  std::string text() const {
+    if (parent == nullptr) return {};
+    return parent->text() + "/" +
+           (name.data() != nullptr ? shortened(std::string(name)) : std::to_string(index));
+  }
+};
+
+enum class Kind { kMaterial, kScene, kNode, kMesh, kOther };
+
+// The element of the file that extras belong to. A primitive is a kMesh with a number.
+struct Element {
+  Kind kind = Kind::kOther;
+  std::size_t index = 0;
+  std::optional<std::size_t> primitive = {};
+};
+
+constexpr std::pair<std::string_view, Kind> kSections[] = {{"materials", Kind::kMaterial},
+                                                           {"scenes", Kind::kScene},
+                                                           {"nodes", Kind::kNode},
+                                                           {"meshes", Kind::kMesh}};
+
+unsigned owner_of(Kind kind) {
+  switch (kind) {
+    case Kind::kMaterial:
+      return kOfMaterial;
+    case Kind::kScene:
+      return kOfScene;
+    case Kind::kNode:
+      return kOfNode;
+    default:
+      return 0;
+  }
+}
+
+bool is_letter_or_digit(char c) {
+  const char l = static_cast<char>(c | 0x20);
+  return (l >= 'a' && l <= 'z') || (c >= '0' && c <= '9');
+}
+
+// What follows the word palpate at the beginning of a name: "_stiffness" gives "stiffness". No
+// value if the name does not begin with the word, in any capital letters and with any signs.
+std::optional<std::string_view> after_group_name(std::string_view name) {
+  std::size_t matched = 0;
+  std::size_t i = 0;
+  for (; i < name.size() && matched < kGroup.size(); ++i) {
+    if (static_cast<char>(name[i] | 0x20) == kGroup[matched]) {
+      ++matched;
+    } else if (is_letter_or_digit(name[i])) {
+      return std::nullopt;
+    }
+  }
+  if (matched < kGroup.size()) return std::nullopt;
+  while (i < name.size() && !is_letter_or_digit(name[i]) && (name[i] & 0x80) == 0) ++i;
+  return name.substr(i);
+}
+
+bool is_contour_name(std::string_view rest) {
+  return plain_name(rest) == "contour";
+}
+
+const char* type_of(const Json& value) {
+  if (value.is_string()) return "a text";
+  if (value.is_array()) return "a list";
+  if (value.is_boolean()) return "true or false";
+  return value.is_null() ? "null" : "a number";
+}
+
+class Search {
+ public:
+  Search(const GltfAsset& asset, const AppliedElements& applied, const KeyNames& names)
+      : asset_(asset), applied_(applied), names_(names) {}
+
+  std::vector<std::string> run() {
+    const Path root;
+    for (const auto& [name, value] : asset_.json.items()) {
+      const auto section = std::find_if(std::begin(kSections), std::end(kSections),
+                                        [&key = name](const auto& s) { return s.first == key; });
+      const Path path = root / name;
+      if (section == std::end(kSections) || !value.is_array()) {
+        read_member(name, value, path, {}, true);
+        continue;
+      }
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        const Path element = path / i;
+        walk(value[i], element, {section->second, i}, true);
+      }
+    }
+    if (count_ > lines_.size()) {
+      lines_.push_back("and " + std::to_string(count_ - lines_.size()) +
+                       " more keys or groups in extras are not applied");
+    }
+    return std::move(lines_);
+  }
+
+ private:
+  // is_element: the value is the element itself and not a part of it.
+  void walk(const Json& value, const Path& path, const Element& element, bool is_element) {
+    if (value.is_array()) {
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        if (value[i].is_structured()) walk(value[i], path / i, element, false);
+      }
+      return;
+    }
+    if (!value.is_object()) return;
+    for (const auto& [name, member] : value.items()) {
+      const Path at = path / name;
+      if (is_element && element.kind == Kind::kMesh && name == "primitives" && member.is_array()) {
+        for (std::size_t i = 0; i < member.size(); ++i) {
+          const Path primitive = at / i;
+          walk(member[i], primitive, {Kind::kMesh, element.index, i}, false);
+        }
+        continue;
+      }
+      read_member(name, member, at, element, is_element);
+    }
+  }
+
+  void read_member(const std::string& name, const Json& value, const Path& path,
+                   const Element& element, bool is_element) {
+    if (name == "extras") return read_extras(value, path, element, is_element);
+    const auto rest = after_group_name(name);
+    if (rest && (rest->empty() || is_contour_name(*rest))) {
+      return add(path, [&] {
+        return "it lies outside extras; " + belongs(value, element, rest->empty());
+      });
+    }
+    if (value.is_structured()) walk(value, path, element, false);
+  }
+
+  void read_extras(const Json& extras, const Path& path, const Element& element, bool is_own) {
+    if (extras.is_string()) return read_text(extras, path);
+    if (extras.is_array()) return search_nested(extras, path, element);
+    if (!extras.is_object()) return;
+    for (const auto& [name, value] : extras.items()) {
+      const Path at = path / name;
+      if (name == kGroup) {
+        read_group(value, at, element, is_own);
+      } else if (name == kContour) {
+        read_contour(at, element, is_own);
+      } else if (const auto rest = after_group_name(name)) {
+        read_joined(name, *rest, value, at, element);
+      } else if (!read_flat(name, value, extras, at, element) && value.is_structured()) {
+        if (!read_misspelt_group(name, value, at, element)) search_nested(value, at, element);
+      }
+    }
+  }
+
+  void read_text(const Json& extras, const Path& path) {
+    const std::string& text = extras.get_ref<const std::string&>();
+    const std::string start = plain_name(std::string_view(text).substr(0, 256));
+    if (start.find(kGroup) == std::string::npos) return;
+    add(path, [&] {
+      return std::string(
+          "it is a text; expected an object such as {\"palpate\": {\"stiffness\": "
+          "400}}");
+    });
+  }
+
+  // The group palpate of an element.
+  void read_group(const Json& group, const Path& path, const Element& element, bool is_own) {
+    const bool has_values = is_own && owner_of(element.kind) != 0;
+    if (!has_values || (element.kind == Kind::kNode && !group.contains(kMedium))) {
+      return add(path, [&] { return belongs(group, element, true); });
+    }
+    if (is_applied(element)) return;
+    add(path, [&] { return why_not_applied(element); });
+  }
+
+  void read_contour(const Path& path, const Element& element, bool is_own) {
+    if (is_own && element.kind == Kind::kNode) {
+      if (!is_applied(element)) add(path, [&] { return why_not_applied(element); });
+      return;
+    }
+    add(path, [&] { return std::string("it belongs in the extras of a node"); });
+  }
+
+  bool is_applied(const Element& element) const {
+    switch (element.kind) {
+      case Kind::kMaterial:
+        return element.index < applied_.materials.size() && applied_.materials[element.index];
+      case Kind::kNode:
+        return element.index < applied_.nodes.size() && applied_.nodes[element.index];
+      case Kind::kScene:
+        return applied_.scene == element.index;
+      default:
+        return false;
+    }
+  }
+
+  static std::string why_not_applied(const Element& element) {
+    switch (element.kind) {
+      case Kind::kMaterial:
+        return "no triangle that is loaded has this material";
+      case Kind::kNode:
+        return "the node is hidden, or is not part of the loaded scene";
+      default:
+        return "another scene of the file is loaded; load this one with "
+               "`SceneSettings::listed_scene` " +
+               std::to_string(element.index);
+    }
+  }
+
+  // A name that begins with the word palpate and is not the group's name.
+  void read_joined(const std::string& name, std::string_view rest, const Json& value,
+                   const Path& path, const Element& element) {
+    if (rest.empty()) {
+      return add(path, [&] {
+        return "the name of the group is palpate, not " + in_quotes(name) + "; " +
+               belongs(value, element, true);
+      });
+    }
+    if (is_contour_name(rest)) {
+      return add(path, [&] {
+        return std::string("the name is palpate_contour, and it belongs in the extras of a node");
+      });
+    }
+    const auto match = names_.find(rest, owner_of(element.kind), allowance_);
+    add(path, [&] {
+      if (match) return belongs(*match, element, false);
+      return "no key is named " + in_quotes(std::string(rest)) +
+             "; keys belong in a group palpate of " + owners_text(kOfMaterial | kOfScene);
+    });
+  }
+
+  // A key of Palpate beside the group.
+  bool read_flat(const std::string& name, const Json& value, const Json& extras, const Path& path,
+                 const Element& element) {
+    const auto match = names_.find(name, owner_of(element.kind), allowance_);
+    if (!match || !is_meant(*match, value, extras)) return false;
+    add(path, [&] { return belongs(*match, element, extras.contains(kMedium)); });
+    return true;
+  }
+
+  static bool is_medium(const Json& value) {
+    if (!value.is_string()) return false;
+    const std::string shape = plain_name(value.get_ref<const std::string&>());
+    return shape == "box" || shape == "sphere";
+  }
+
+  // Other programs use the same words. A key that is an ordinary word counts only with a value that
+  // Palpate gives a meaning.
+  static bool is_meant(const KeyMatch& match, const Json& value, const Json& extras) {
+    const std::string& key = match.key->name;
+    const std::string text =
+        value.is_string() ? plain_name(value.get_ref<const std::string&>()) : "";
+    if (key == "size" || key == "radius") {
+      const auto medium = extras.find(kMedium);
+      return medium != extras.end() && is_medium(*medium);
+    }
+    if (key == kMedium) return is_medium(value);
+    if (key == "solid") {
+      const bool is_bit = value.is_number() && (value == 0 || value == 1);
+      return value.is_boolean() || is_bit || text == "true" || text == "false";
+    }
+    return match.likeness != KeyLikeness::kNear || !value.is_object();
+  }
+
+  // A group that holds keys of Palpate and has nearly its name.
+  bool read_misspelt_group(const std::string& name, const Json& value, const Path& path,
+                           const Element& element) {
+    constexpr std::size_t kMostErrors = 2;
+    constexpr std::size_t kMostKeys = 16;
+    const std::size_t length = name.size();
+    if (!value.is_object() || length + kMostErrors < kGroup.size() || length > 16 ||
+        allowance_ == 0) {
+      return false;
+    }
+    --allowance_;
+    if (letter_distance(plain_name(name), kGroup, kMostErrors) > kMostErrors) return false;
+    std::size_t looked_at = 0;
+    for (const auto& [key, inner] : value.items()) {
+      if (++looked_at > kMostKeys) break;
+      const auto match = names_.find(key, owner_of(element.kind), allowance_);
+      if (!match || match->likeness == KeyLikeness::kNear) continue;
+      add(path, [&] {
+        return "the name of the group is palpate, not " + in_quotes(name) + "; " +
+               belongs(value, element, true);
+      });
+      return true;
+    }
+    return false;
+  }
+
+  // Groups of other programs may hold anything but the name palpate.
+  void search_nested(const Json& value, const Path& path, const Element& element) {
+    if (value.is_array()) {
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        if (value[i].is_structured()) search_nested(value[i], path / i, element);
+      }
+      return;
+    }
+    for (const auto& [name, member] : value.items()) {
+      const Path at = path / name;
+      if (const auto rest = after_group_name(name)) {
+        add(at, [&] {
+          return "it lies inside " + in_quotes(path.text()) + "; " +
+                 belongs(member, element, rest->empty());
+        });
+      } else if (member.is_structured()) {
+        search_nested(member, at, element);
+      }
+    }
+  }
+
+  // --- Where keys belong -------------------------------------------------------------------------
+
+  std::vector<std::size_t> materials_of(const Element& element) const {
+    constexpr std::size_t kEnough = 2;
+    std::vector<std::size_t> found;
+    const tinygltf::Model& model = asset_.model;
+    std::size_t mesh = element.index;
+    if (element.kind == Kind::kNode) {
+      if (mesh >= model.nodes.size() || model.nodes[mesh].mesh < 0) return found;
+      mesh = static_cast<std::size_t>(model.nodes[mesh].mesh);
+    } else if (element.kind != Kind::kMesh) {
+      return found;
+    }
+    if (mesh >= model.meshes.size()) return found;
+    const auto& primitives = model.meshes[mesh].primitives;
+    for (std::size_t i = 0; i < primitives.size() && found.size() < kEnough; ++i) {
+      if (primitives[i].material < 0 || (element.primitive && *element.primitive != i)) continue;
+      const auto id = static_cast<std::size_t>(primitives[i].material);
+      if (std::find(found.begin(), found.end(), id) == found.end()) found.push_back(id);
+    }
+    return found;
+  }
+
+  // "/materials/3/extras/palpate (material "wood")"
+  std::string material_place(std::size_t id) const {
+    std::string text = gltf_element("materials", id, "extras/palpate");
+    const Json& material = asset_.json["materials"][id];
+    const auto name = material.is_object() ? material.find("name") : material.end();
+    if (name == material.end() || !name->is_string()) return text;
+    return text + " (material " + in_quotes(name->get<std::string>()) + ")";
+  }
+
+  // Where keys with these owners belong that were written at the element.
+  std::string place_of(unsigned owners, const Element& element, bool has_medium) const {
+    const bool is_node = element.kind == Kind::kNode;
+    if ((owners & owner_of(element.kind)) && !(is_node && !has_medium && (owners & kOfMaterial))) {
+      if (element.kind == Kind::kMaterial) return material_place(element.index);
+      const std::string own =
+          gltf_element(is_node ? "nodes" : "scenes", element.index, "extras/palpate");
+      return is_node && !has_medium ? own + ", together with the key medium" : own;
+    }
+    if (owners & kOfMaterial) {
+      const auto materials = materials_of(element);
+      if (materials.empty()) return "extras.palpate of a material";
+      if (materials.size() == 1) return material_place(materials.front());
+      return "extras.palpate of the materials, such as " + material_place(materials.front());
+    }
+    if ((owners & kOfScene) && applied_.scene) {
+      return gltf_element("scenes", *applied_.scene, "extras/palpate");
+    }
+    return "extras.palpate of " + owners_text(owners);
+  }
+
+  std::string belongs(const KeyMatch& match, const Element& element, bool has_medium) const {
+    const std::string name = match.likeness == KeyLikeness::kSame
+                                 ? match.key->name
+                                 : "the nearest key, " + match.key->name + ",";
+    return name + " belongs in " + place_of(match.key->owners, element, has_medium);
+  }
+
+  // Where the keys of a group belong. is_group: false for a value that is no group.
+  std::string belongs(const Json& group, const Element& element, bool is_group) {
+    if (is_group && !group.is_object()) {
+      return std::string("it is ") + type_of(group) +
+             "; expected an object such as {\"stiffness\": 400} in " +
+             place_of(kOfMaterial, element, false);
+    }
+    constexpr std::size_t kMostKeys = 64;
+    constexpr std::size_t kMostNames = 3;
+    const bool has_medium = group.contains(kMedium);
+    std::map<std::string, std::pair<std::size_t, std::string>> of_place;  // count and names
+    std::size_t looked_at = 0;
+    for (const auto& [key, value] : group.items()) {
+      if (!is_group || ++looked_at > kMostKeys) break;
+      const auto match = names_.find(key, owner_of(element.kind), allowance_);
+      if (!match) continue;
+      auto& [count, names] = of_place[place_of(match->key->owners, element, has_medium)];
+      if (++count <= kMostNames) names += (count == 1 ? "" : ", ") + match->key->name;
+    }
+    std::string text;
+    for (const auto& [place, keys] : of_place) {
+      const auto& [count, names] = keys;
+      text += (text.empty() ? "" : "; ") + names;
+      if (count > kMostNames) text += " and " + std::to_string(count - kMostNames) + " more";
+      text += (count == 1 ? " belongs in " : " belong in ") + place;
+    }
+    if (!text.empty()) return text;
+    return "haptic values belong in " + place_of(kOfMaterial, element, false);
+  }
+
+  template <typename Text>
+  void add(const Path& path, const Text& text) {
+    if (++count_ > kMostUnappliedLines) return;
+    lines_.push_back(path.text() + ": is not applied; " + text());
+  }
+
+  const GltfAsset& asset_;
+  const AppliedElements& applied_;
+  const KeyNames& names_;
+  KeyNames::Allowance allowance_ = KeyNames::kAllowance;
+  std::vector<std::string> lines_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::string> unapplied_extras(const GltfAsset& asset, const AppliedElements& applied,
+                                          const KeyNames& names) {
+  return Search(asset, applied, names).run();
+}
+
+}  // namespace palpate

@@ -1,0 +1,172 @@
+#include "io/key_names.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+// Longer names are near no key, and are not compared.
+constexpr std::size_t kLongestCompared = 40;
+constexpr std::size_t kShortestNear = 7;
+constexpr std::size_t kLettersPerError = 4;
+constexpr std::size_t kMostErrors = 3;
+
+bool is_upper(char c) {
+  return c >= 'A' && c <= 'Z';
+}
+bool is_lower(char c) {
+  return c >= 'a' && c <= 'z';
+}
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+bool is_beyond_ascii(char c) {
+  return (static_cast<unsigned char>(c) & 0x80u) != 0;
+}
+char lower(char c) {
+  return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
+}
+bool is_sign(char c) {
+  return !is_upper(c) && !is_lower(c) && !is_digit(c) && !is_beyond_ascii(c);
+}
+
+// "staticFriction", "friction.static" and "Friction Static" all give "friction static ".
+std::string sorted_words(std::string_view name) {
+  std::vector<std::string> words(1);
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const char c = name[i];
+    const bool begins_word = i > 0 && is_upper(c) && !is_upper(name[i - 1]);
+    if ((is_sign(c) || begins_word) && !words.back().empty()) words.emplace_back();
+    if (!is_sign(c)) words.back() += lower(c);
+  }
+  std::sort(words.begin(), words.end());
+  std::string text;
+  for (const std::string& word : words) text += word.empty() ? "" : word + " ";
+  return text;
+}
+
+// One bit for each letter and digit, and one for everything else.
+std::uint64_t letters_of(std::string_view plain) {
+  std::uint64_t letters = 0;
+  for (const char c : plain) {
+    const int bit = is_lower(c) ? c - 'a' : is_digit(c) ? 26 + (c - '0') : 36;
+    letters |= std::uint64_t{1} << bit;
+  }
+  return letters;
+}
+
+std::size_t most_errors(std::size_t letters) {
+  return letters < kShortestNear ? 0 : std::min(kMostErrors, letters / kLettersPerError);
+}
+
+}  // namespace
+
+std::string plain_name(std::string_view name) {
+  std::string plain;
+  plain.reserve(name.size());
+  for (const char c : name) {
+    if (!is_sign(c)) plain += lower(c);
+  }
+  return plain;
+}
+
+// Optimal string alignment, in three rows of the table.
+std::size_t letter_distance(std::string_view a, std::string_view b, std::size_t most) {
+  const std::size_t difference = a.size() > b.size() ? a.size() - b.size() : b.size() - a.size();
+  if (difference > most) return most + 1;
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), next(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    next[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      next[j] = std::min({last[j] + 1, next[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        next[j] = std::min(next[j], before[j - 2] + 1);
+      }
+    }
+    before.swap(last);
+    last.swap(next);
+  }
+  return std::min(last[b.size()], most + 1);
+}
+
+KeyNames::KeyNames(std::vector<KeyName> keys) : keys_(std::move(keys)) {
+  for (const KeyName& key : keys_) {
+    const std::string plain = plain_name(key.name);
+    compared_.push_back({plain, sorted_words(key.name), letters_of(plain)});
+  }
+}
+
+std::optional<KeyMatch> KeyNames::find(std::string_view name, unsigned owners,
+                                       Allowance& left) const {
+  if (name.size() > 2 * kLongestCompared) return std::nullopt;
+  const std::string plain = plain_name(name);
+  if (plain.empty() || plain.size() > kLongestCompared) return std::nullopt;
+  const std::uint64_t letters = letters_of(plain);
+  // The best match has the least rank: likeness, errors, whether it has another owner.
+  using Rank = std::array<std::size_t, 3>;
+  std::optional<std::pair<Rank, KeyMatch>> best;
+  const auto offer = [&](const KeyName& key, KeyLikeness likeness, std::size_t errors) {
+    const Rank rank{static_cast<std::size_t>(likeness), errors, (key.owners & owners) ? 0u : 1u};
+    if (!best || rank < best->first) best = {rank, {&key, likeness}};
+  };
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const Compared& key = compared_[i];
+    if (key.letters != letters) continue;
+    if (keys_[i].name == name) {
+      offer(keys_[i], KeyLikeness::kSame, 0);
+    } else if (key.plain == plain || key.words == sorted_words(name)) {
+      offer(keys_[i], KeyLikeness::kSpelled, 0);
+    }
+  }
+  if (best) return best->second;
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const Compared& key = compared_[i];
+    const std::size_t most = most_errors(key.plain.size());
+    // An error changes the set of letters by at most two.
+    const auto differing = static_cast<std::size_t>(__builtin_popcountll(key.letters ^ letters));
+    if (most == 0 || differing > 2 * most || left == 0) continue;
+    --left;
+    const std::size_t errors = letter_distance(key.plain, plain, most);
+    if (errors <= most) offer(keys_[i], KeyLikeness::kNear, errors);
+  }
+  if (!best) return std::nullopt;
+  return best->second;
+}
+
+std::string KeyNames::why_unknown(std::string_view name, KeyOwner owner) const {
+  constexpr std::string_view kUnknown = "the key is unknown";
+  constexpr std::size_t kShortestPart = 4;
+  Allowance left = kAllowance;
+  if (const auto match = find(name, owner, left)) {
+    std::string why(kUnknown);
+    if (match->likeness != KeyLikeness::kSame) why += "; the nearest key is " + match->key->name;
+    if (match->key->owners & owner) return why;
+    return why + (match->likeness == KeyLikeness::kSame ? " here; it" : ", which") +
+           " belongs to extras.palpate of " + owners_text(match->key->owners);
+  }
+  std::string similar;
+  const std::string plain = plain_name(name);
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const std::string& key = compared_[i].plain;
+    if (!(keys_[i].owners & owner) || plain.size() < kShortestPart) continue;
+    if (key.find(plain) == key.npos && plain.find(key) == plain.npos) continue;
+    similar += (similar.empty() ? "" : " or ") + keys_[i].name;
+  }
+  return std::string(kUnknown) + (similar.empty() ? "" : "; similar: " + similar);
+}
+
+std::string owners_text(unsigned owners) {
+  std::string text;
+  const auto add = [&](unsigned owner, const char* name) {
+    if (owners & owner) text += (text.empty() ? "" : " or of ") + std::string(name);
+  };
+  add(kOfMaterial, "a material");
+  add(kOfScene, "the scene");
+  add(kOfNode, "a node that has the key medium");
+  return text;
+}
+
+}  // namespace palpate
