@@ -59,6 +59,7 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
     last_was_good_ = false;
     return record_;
   }
+  steady_ticks_ = dt_s == last_dt_s_ ? steady_ticks_ + 1 : 0;
   move_bodies();
   (this->*step_)(dt_s);  // actions 2 to 6: haptic_loop_steps.h
   last_was_good_ = true;
@@ -88,7 +89,7 @@ inline std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double 
   if (actuation_.is_planar()) sensed_m.z() = settings_.plane_height_m;
   view(record_.device_m) = sensed_m;
   if (has_bad_settings_) return kFaultBadSettings;
-  if (!is_time_step(dt_s)) return kFaultBadTimeStep;
+  if (!accepts(dt_s)) return kFaultBadTimeStep;
   if (record_.tick > 0) record_.time_s += dt_s;
   last_sample_.age_s += dt_s;
   last_good_sample_.age_s += dt_s;
@@ -195,8 +196,16 @@ void HapticLoop::find_velocity(const Vec3& last_goal_m, double dt_s) {
 }
 
 EffectMotion HapticLoop::motion(double dt_s) const {
-  return {dt_s, std::max(dt_s, last_dt_s_), static_cast<double>(good_ticks_),
-          world_->to_solver(view(record_.goal_scene_m)), velocity_m_per_s_};
+  EffectMotion motion;
+  motion.dt_s = dt_s;
+  motion.longest_dt_s = has_measured_times_ ? dt_s : std::max(dt_s, last_dt_s_);
+  motion.ticks = static_cast<double>(good_ticks_);
+  motion.steady_ticks = static_cast<double>(steady_ticks_);
+  motion.time_s = record_.time_s;
+  motion.has_measured_times = has_measured_times_;
+  motion.goal_m = world_->to_solver(view(record_.goal_scene_m));
+  motion.velocity_m_per_s = velocity_m_per_s_;
+  return motion;
 }
 
 void HapticLoop::set_zero_force() {

@@ -3,6 +3,7 @@
 // One tick of haptic rendering with A4: device position in, force and scene pose out.
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -50,8 +51,8 @@ class HapticLoop {
   ~HapticLoop();
 
   // Runs one tick and returns its record, which is valid until the next tick. p_device_m: sensed
-  // position, device frame. dt_s: time since the last tick, > 0 and at most kLongestTick_s. The
-  // first good sample places the proxy at the goal.
+  // position, device frame. dt_s: time since the last tick, > 0 and at most kLongestTick_s (see
+  // use_measured_times). The first good sample places the proxy at the goal.
   //
   // A bad sample keeps the last state, commands zero force and sets a fault bit. A jump is a bad
   // sample, too. A sample is a jump if it is too far from both the last sample and the last good
@@ -67,6 +68,17 @@ class HapticLoop {
   // creates, moves into the scene. Allocates: call it before the first tick. Does nothing if there
   // is no memory for the second loop.
   void warm_up() const noexcept;
+
+  // States that dt is the measured time between two samples, as in a recorded path, and not the
+  // nominal period of a device that samples late or early. A tick may then be of any length, also
+  // longer than kLongestTick_s: no hand feels its force. Call it before the first tick. If all
+  // ticks have the same length, no bit of a result changes.
+  void use_measured_times() noexcept { has_measured_times_ = true; }
+
+  // True if tick() accepts a time step.
+  bool accepts(double dt_s) const noexcept {
+    return is_time_step(dt_s) || (has_measured_times_ && dt_s > 0.0 && std::isfinite(dt_s));
+  }
 
   // Marks the sample of the next tick as bad, because the device did not sense it. That tick sets
   // kFaultInvalidSample.
@@ -213,6 +225,8 @@ class HapticLoop {
   EffectMotion motion_;                      // of this tick
   bool last_was_good_ = false;               // the last tick's goal was the hand's position
   double last_dt_s_ = 0.0;                   // of the last good tick
+  std::uint64_t steady_ticks_ = 0;           // good ticks before this one, in a row, of the same dt
+  bool has_measured_times_ = false;
   std::uint64_t good_ticks_ = 0;
   Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 

@@ -2,332 +2,403 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
-#include <optional>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "geometry/base/file_roles.h"
-#include "io/open_error.h"
+#include "io/decimal_time.h"
+#include "io/measuring_units.h"
+#include "io/text_fields.h"
+#include "io/text_lines.h"
+#include "io/trajectory_columns.h"
+#include "io/trajectory_notes.h"
 
 namespace palpate {
 namespace {
 
-// Longer than any line of four numbers and a comment; prevents reading a binary file as a whole.
-constexpr std::size_t kMaxLineBytes = 1u << 16;
-constexpr std::size_t kMaxColumns = 4;
-
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 constexpr const char* kLineHint =
-    "write \"x y z\" or \"t x y z\" on each line, with decimal points";
+    "write \"x y z\" or \"t x y z\" on each line, with decimal points, or name the columns in a "
+    "header";
+constexpr const char* kCommaHint =
+    "if its commas are decimal commas, separate the columns with semicolons";
+constexpr const char* kTimeUnitHint =
+    "correct the times, or state their unit in a header, such as \"t [ns]\"";
 constexpr const char* kTraceHint = "complete the line with a newline, or delete it";
+constexpr const char* kExpectedFile = "use a text file of device positions";
 
-// The device columns of a trace, in the order x, y, z.
-constexpr std::array<std::string_view, 3> kDeviceColumns = {"device_x", "device_y", "device_z"};
-
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r';
+// A line whose fields all begin like words. "1mm" and "--3" begin like numbers with a typing error.
+bool is_text(const std::vector<TextField>& fields) {
+  constexpr std::string_view kBeginsNumber = "+-.,0123456789";
+  return std::all_of(fields.begin(), fields.end(), [&](const TextField& field) {
+    return !field.text.empty() &&
+           kBeginsNumber.find(field.text.front()) == std::string_view::npos &&
+           parse_number(field.text).kind == NumberKind::kNone;
+  });
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
+// Where the comment of a line begins: at #, or at % or // at its beginning.
+std::size_t comment_mark(std::string_view line) {
+  const std::string_view text = trimmed(line);
+  if (text.starts_with('%') || text.starts_with("//")) return 0;
+  return line.find('#');
 }
-
-// Text from the file, quoted and limited to one line of a message.
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kMaxLength = 40;
-  std::string shown(text.substr(0, kMaxLength));
-  for (char& c : shown) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return "\"" + shown + (text.size() > kMaxLength ? "...\"" : "\"");
-}
-
-// The fields of a line without its comment. Fields are separated by a comma, with or without blanks
-// around it, or by blanks alone. A field between two commas may be empty.
-std::vector<std::string_view> split_fields(std::string_view line) {
-  std::vector<std::string_view> fields;
-  line = trimmed(line);
-  for (bool more = !line.empty(); more;) {
-    const std::size_t end = std::min(line.find_first_of(" \t\r,"), line.size());
-    fields.push_back(line.substr(0, end));
-    const std::string_view rest = trimmed(line.substr(end));
-    const bool comma = rest.starts_with(',');
-    line = comma ? trimmed(rest.substr(1)) : rest;
-    more = comma || !line.empty();
-  }
-  return fields;
-}
-
-enum class NumberKind { kNumber, kOutOfRange, kNone };
-
-struct Number {
-  NumberKind kind;
-  double value;
-};
-
-Number parse_number(std::string_view field) {
-  // from_chars() does not accept a plus sign.
-  if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
-  double value = 0.0;
-  const char* end = field.data() + field.size();
-  const auto [stop, code] = std::from_chars(field.data(), end, value);
-  if (stop != end || code == std::errc::invalid_argument) return {NumberKind::kNone, 0.0};
-  if (code == std::errc::result_out_of_range) return {NumberKind::kOutOfRange, 0.0};
-  return {NumberKind::kNumber, value};
-}
-
-// The fields of a line separated by commas; fields may contain blanks or be empty. Without a comma,
-// as split_fields().
-std::vector<std::string_view> split_columns(std::string_view line) {
-  if (line.find(',') == std::string_view::npos) return split_fields(line);
-  std::vector<std::string_view> columns;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    columns.push_back(trimmed(line.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return columns;
-}
-
-// "t", "x", "y", "z" for "Time [s]", "x_m", "Y", "z (m)"; empty for an unknown name.
-std::string_view known_name(std::string_view column) {
-  std::string word;
-  for (const char c : column) {
-    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if (lower < 'a' || lower > 'z') break;
-    word += lower;
-  }
-  if (word == "time") return "t";
-  for (const std::string_view name : {"t", "x", "y", "z"}) {
-    if (word == name) return name;
-  }
-  return {};
-}
-
-// The positions of the columns of a trace that are read.
-struct TraceColumns {
-  std::size_t count = 0;
-  std::array<std::size_t, 3> device{};  // x, y, z
-  std::optional<std::size_t> time;
-};
 
 class TrajectoryReader {
  public:
-  explicit TrajectoryReader(const std::string& path) : path_(path) {}
+  TrajectoryReader(const std::string& path, std::optional<double> rate_Hz)
+      : path_(path), rate_Hz_(rate_Hz) {}
 
   // is_whole: the line ended with a newline.
-  std::optional<Error> read_line(std::string_view line, bool is_whole) {
-    ++line_number_;
-    if (line_number_ == 1 && line.starts_with(kByteOrderMark)) {
-      line.remove_prefix(kByteOrderMark.size());
+  std::optional<Error> read_line(std::string_view line, std::size_t number, bool is_whole) {
+    line_number_ = number;
+    const std::size_t mark = comment_mark(line);
+    if (mark != std::string_view::npos && trajectory_.positions_m.empty()) {
+      if (auto error = take_comment(line.substr(mark))) return error;
     }
-    line = trimmed(line.substr(0, line.find('#')));
+    line = trimmed(line.substr(0, mark));
     if (line.empty()) return std::nullopt;
-    const std::vector<std::string_view> fields = split_fields(line);
-    const bool may_be_header = std::exchange(at_start_, false);
-    if (may_be_header && is_header(fields)) return read_header(line);
-    if (trace_) return read_trace_row(line, is_whole);
-    return read_sample(fields);
+    if (!columns_) {
+      const auto separator = separator_of_header(line);
+      if (is_header(line, separator)) return take_header(line);
+      if (auto error = begin_without_header(line)) return error;
+    } else if (trajectory_.positions_m.empty() && !std::exchange(has_units_line_, true)) {
+      if (take_units(line)) return std::nullopt;
+    }
+    return read_row(line, is_whole);
   }
 
-  Result<std::vector<Vec3>> finish() {
-    if (positions_m_.empty()) {
+  Result<Trajectory> finish() {
+    if (trajectory_.positions_m.empty()) {
       return Error{ErrorCode::kInvalidContent, path_, "", "contains no sample", kLineHint};
     }
-    return std::move(positions_m_);
+    const TrajectoryFacts facts{*columns_, naming_comment_, unit_comment_, decimal_comma_line_,
+                                rate_Hz_};
+    trajectory_.notes = trajectory_notes(facts);
+    trajectory_.has_summed_times = columns_->is_trace;
+    return std::move(trajectory_);
   }
 
+ private:
   Error error_here(std::string problem, std::string hint = kLineHint) const {
     return {ErrorCode::kInvalidContent, path_, "line " + std::to_string(line_number_),
             std::move(problem), std::move(hint)};
   }
 
-  void count_line() { ++line_number_; }
+  // ---- header and comments ----
 
- private:
-  // A line with at least one number is a sample, possibly with a typing error that must be
-  // reported.
-  static bool is_header(const std::vector<std::string_view>& fields) {
-    for (const std::string_view field : fields) {
-      if (field.empty() || parse_number(field).kind != NumberKind::kNone) return false;
+  static bool is_header(std::string_view line, Separator separator) {
+    std::vector<TextField> fields = split_fields(line, separator);
+    // Columns without a name, as of a row number or after a last separator.
+    const bool has_name = std::any_of(fields.begin(), fields.end(),
+                                      [](const TextField& field) { return !field.text.empty(); });
+    if (separator != Separator::kBlankOrComma && has_name) {
+      std::erase_if(fields, [](const TextField& field) { return field.text.empty(); });
     }
+    return is_text(fields);
+  }
+
+  std::optional<Error> take_header(std::string_view line) {
+    HeaderReading reading = read_header(line);
+    if (!reading.columns) {
+      return error_here(std::move(reading.problem),
+                        reading.names_positions ? std::move(reading.hint)
+                                                : reading.hint + "; a comment begins with #");
+    }
+    columns_ = std::move(reading.columns);
+    column_line_ = line_number_;
+    if (columns_->is_trace) {
+      comment_ = {};
+      return std::nullopt;
+    }
+    return take_units_of_comment();
+  }
+
+  // A line of units below the names: "s,mm,mm,mm".
+  bool take_units(std::string_view line) {
+    if (columns_->is_trace || columns_->states_length) return false;
+    const auto fields = split_fields(line, separator_of_row(line, columns_->separator));
+    if (fields.size() != columns_->count) return false;
+    std::array<LengthUnit, 3> length;
+    const auto unit_text = [&](std::size_t i) {
+      std::string_view text = fields[i].text;
+      while (!text.empty() && (text.front() == '[' || text.front() == '(')) text.remove_prefix(1);
+      while (!text.empty() && (text.back() == ']' || text.back() == ')')) text.remove_suffix(1);
+      return text;
+    };
+    for (std::size_t axis = 0; axis < length.size(); ++axis) {
+      const auto unit = find_length_unit(unit_text(columns_->position[axis]));
+      if (!unit) return false;
+      length[axis] = *unit;
+    }
+    if (columns_->time) {
+      const auto unit = find_time_unit(unit_text(*columns_->time));
+      columns_->counts_samples = is_count_unit(unit_text(*columns_->time));
+      if (!unit && !columns_->counts_samples) return false;
+      if (unit) columns_->time_unit = *unit;
+    }
+    columns_->length = length;
+    columns_->states_length = true;
     return true;
   }
 
-  std::optional<Error> read_header(std::string_view line) {
-    // A column name may contain blanks ("x (m)") if commas separate the names.
-    const std::vector<std::string_view> columns = split_columns(line);
-    for (const std::string_view name : kDeviceColumns) {
-      if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
-        return read_trace_header(columns);
+  std::optional<Error> take_comment(std::string_view comment) {
+    // Enough for any heading; limits the work on a file of comments.
+    constexpr std::size_t kMostCommentBytes = TextLines::kMostBytes;
+    comment_bytes_ += comment.size();
+    if (comment_bytes_ > kMostCommentBytes) return std::nullopt;
+    CommentReading reading = read_comment(comment);
+    if (!reading.problem.empty()) {
+      return error_here("is a comment that " + reading.problem,
+                        "name the columns and their units in a header, such as \"x [mm]\"");
+    }
+    const bool says_nothing = !reading.columns && !reading.length && !reading.time;
+    if (says_nothing) return std::nullopt;
+    // Later comments add to earlier ones, and do not hide their units.
+    if (reading.columns && comment_.columns && !reading.columns->states_length) {
+      reading.columns->length = comment_.columns->length;
+      reading.columns->states_length = comment_.columns->states_length;
+    }
+    if (!reading.columns) reading.columns = std::move(comment_.columns);
+    if (!reading.length) reading.length = comment_.length;
+    if (!reading.time) reading.time = comment_.time;
+    comment_ = std::move(reading);
+    comment_line_ = line_number_;
+    return columns_ && !columns_->is_trace ? take_units_of_comment() : std::nullopt;
+  }
+
+  // The units that a comment states, for columns without units.
+  std::optional<Error> take_units_of_comment() {
+    std::optional<std::array<LengthUnit, 3>> length;
+    if (comment_.columns && comment_.columns->states_length) length = comment_.columns->length;
+    if (comment_.length) length = {*comment_.length, *comment_.length, *comment_.length};
+    if (length && columns_->states_length && *length != columns_->length) {
+      return error_here("has other units of length than the comment in line " +
+                            std::to_string(comment_line_) + "; expected the same",
+                        "correct or delete the comment");
+    }
+    const bool is_used = length && !columns_->states_length;
+    if (is_used) {
+      columns_->length = *length;
+      columns_->states_length = true;
+      unit_comment_ = comment_line_;
+    }
+    if (columns_->time && !columns_->states_time_unit && !columns_->counts_samples) {
+      std::optional<TimeUnit> time = comment_.time;
+      if (comment_.columns && comment_.columns->states_time_unit) {
+        time = comment_.columns->time_unit;
+        columns_->counts_samples = comment_.columns->counts_samples;
       }
+      if (time) columns_->time_unit = *time;
     }
-    bool speaks = false;
-    for (const std::string_view column : columns) speaks |= !known_name(column).empty();
-    if (!speaks) return std::nullopt;
-    static constexpr std::array<std::string_view, kMaxColumns> kOrder = {"t", "x", "y", "z"};
-    const std::size_t skipped = columns.size() == 3 ? 1 : 0;
-    bool in_order = columns.size() + skipped == kMaxColumns;
-    for (std::size_t i = 0; in_order && i < columns.size(); ++i) {
-      const std::string_view name = known_name(columns[i]);
-      in_order = name.empty() || name == kOrder[i + skipped];
-    }
-    if (!in_order) {
-      return error_here("is the header " + quoted(line) + "; expected the columns x y z or t x y z",
-                        "reorder or delete columns of the file");
-    }
-    column_count_ = columns.size();
-    column_line_ = line_number_;
     return std::nullopt;
   }
 
-  std::optional<Error> read_trace_header(const std::vector<std::string_view>& columns) {
-    TraceColumns trace;
-    trace.count = columns.size();
-    const auto place_of = [&](std::string_view name) -> std::optional<std::size_t> {
-      const auto found = std::find(columns.begin(), columns.end(), name);
-      const bool is_only =
-          found != columns.end() && std::find(found + 1, columns.end(), name) == columns.end();
-      if (!is_only) return std::nullopt;
-      return static_cast<std::size_t>(found - columns.begin());
-    };
-    for (std::size_t axis = 0; axis < kDeviceColumns.size(); ++axis) {
-      const auto place = place_of(kDeviceColumns[axis]);
-      if (!place) {
-        return error_here(
-            "is the header of a trace; expected each of device_x, device_y and device_z once",
-            "use a trace in the format of run or replay");
-      }
-      trace.device[axis] = *place;
-    }
-    trace.time = place_of("t");
-    trace_ = trace;
+  // The first row decides: x y z, t x y z, or the columns that a comment names.
+  std::optional<Error> begin_without_header(std::string_view line) {
+    const Separator separator = separator_of_row(line, Separator::kBlankOrComma);
+    if (separator == Separator::kBlankOrComma && has_ambiguous_comma(line)) return comma_error();
+    const std::size_t count = split_fields(line, separator).size();
     column_line_ = line_number_;
+    if (comment_.columns && comment_.columns->count == count) {
+      columns_ = comment_.columns;
+      columns_->separator = separator;
+      column_line_ = naming_comment_ = comment_line_;
+      if (columns_->states_length) unit_comment_ = comment_line_;
+      return take_units_of_comment();
+    }
+    if (count != 3 && count != 4) {
+      return error_here("has " + std::to_string(count) +
+                            (count == 1 ? " column; expected 3 or 4" : " columns; expected 3 or 4"),
+                        line.find(',') == std::string_view::npos ? kLineHint : kCommaHint);
+    }
+    if (comment_.columns && comment_.columns->states_length && !comment_.columns->is_in_order()) {
+      return error_here("has " + std::to_string(count) + " columns, and the comment in line " +
+                        std::to_string(comment_line_) + " names others; expected the same");
+    }
+    columns_ = columns_without_header(count == 4);
+    columns_->separator = separator;
+    return take_units_of_comment();
+  }
+
+  // ---- rows ----
+
+  std::optional<Error> read_row(std::string_view line, bool is_whole) {
+    const Separator separator = separator_of_row(line, columns_->separator);
+    if (separator == Separator::kBlankOrComma && has_ambiguous_comma(line)) return comma_error();
+    const std::vector<TextField> fields = split_fields(line, separator);
+    if (auto error = check_row(fields.size(), line, is_whole)) return error;
+    allows_decimal_comma_ = separator == Separator::kSemicolon || separator == Separator::kTab;
+    Vec3 position_m;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t place = columns_->position[axis];
+      const LengthUnit& unit = columns_->length[axis];
+      const auto number = read_number(
+          fields, place, [&](std::string_view text) { return parse_number(text, unit.power); });
+      if (!number) return number.error();
+      position_m[static_cast<Eigen::Index>(axis)] = *number * unit.factor;
+    }
+    if (columns_->time) {
+      if (auto error = read_time_of(fields)) return error;
+    }
+    trajectory_.positions_m.push_back(position_m);
     return std::nullopt;
   }
 
-  std::optional<Error> read_trace_row(std::string_view line, bool is_whole) {
-    const std::vector<std::string_view> fields = split_columns(line);
-    if (!is_whole || fields.size() != trace_->count) {
+  std::optional<Error> check_row(std::size_t count, std::string_view line, bool is_whole) const {
+    if (columns_->is_trace && (!is_whole || count != columns_->count)) {
       const std::string found =
-          is_whole ? "has " + std::to_string(fields.size()) + " columns" : "is cut off";
-      return error_here(found + "; expected " + std::to_string(trace_->count) +
+          is_whole ? "has " + std::to_string(count) + " columns" : "is cut off";
+      return error_here(found + "; expected " + std::to_string(columns_->count) +
                             " columns as in line " + std::to_string(column_line_) +
                             ", and a newline",
                         kTraceHint);
     }
-    Vec3 position_m;
-    for (std::size_t axis = 0; axis < trace_->device.size(); ++axis) {
-      const std::size_t place = trace_->device[axis];
-      const Number number = parse_number(fields[place]);
-      if (number.kind != NumberKind::kNumber) return field_error(place, fields[place], number.kind);
-      position_m[static_cast<Eigen::Index>(axis)] = number.value;
-    }
-    if (trace_->time) {
-      const std::string_view field = fields[*trace_->time];
-      const Number time = parse_number(field);
-      if (time.kind != NumberKind::kNumber) return field_error(*trace_->time, field, time.kind);
-      if (auto error = check_time(time.value, field)) return error;
-    }
-    positions_m_.push_back(position_m);
-    return std::nullopt;
-  }
-
-  std::optional<Error> read_sample(const std::vector<std::string_view>& fields) {
-    if (auto error = check_column_count(fields.size())) return error;
-    std::array<double, kMaxColumns> values{};
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      const Number number = parse_number(fields[i]);
-      if (number.kind != NumberKind::kNumber) return field_error(i, fields[i], number.kind);
-      values[i] = number.value;
-    }
-    const std::size_t first = fields.size() - 3;
-    if (first == 1) {
-      if (auto error = check_time(values[0], fields[0])) return error;
-    }
-    positions_m_.emplace_back(values[first], values[first + 1], values[first + 2]);
-    return std::nullopt;
-  }
-
-  std::optional<Error> check_column_count(std::size_t count) {
-    if (column_count_ == 0 && (count == 3 || count == kMaxColumns)) {
-      column_count_ = count;
-      column_line_ = line_number_;
-    }
-    if (count == column_count_) return std::nullopt;
-    std::string expected = "3 or 4";
-    if (column_count_ != 0) {
-      expected =
-          std::to_string(column_count_) + " columns as in line " + std::to_string(column_line_);
-    }
+    if (count == columns_->count) return std::nullopt;
     return error_here("has " + std::to_string(count) +
-                      (count == 1 ? " column; expected " : " columns; expected ") + expected);
+                          (count == 1 ? " column; expected " : " columns; expected ") +
+                          std::to_string(columns_->count) + " columns as in line " +
+                          std::to_string(column_line_),
+                      line.find(',') == std::string_view::npos ? kLineHint : kCommaHint);
   }
 
-  Error field_error(std::size_t i, std::string_view field, NumberKind kind) const {
-    const std::string column = "column " + std::to_string(i + 1) + " ";
-    if (field.empty()) return error_here(column + "is empty; expected a number");
-    return error_here(column + "is " + quoted(field) + "; expected a number" +
-                      (kind == NumberKind::kOutOfRange ? " within the range of a double" : ""));
+  // The text of a number with a decimal point. Notes decimal commas: one file has points or commas.
+  Result<std::string> number_text(const TextField& field) {
+    const std::string_view text = field.text;
+    std::string with_point;
+    if ((allows_decimal_comma_ || field.is_quoted) && text.find(',') != std::string_view::npos) {
+      with_point = with_decimal_point(text);
+    }
+    if (!with_point.empty()) {
+      if (decimal_comma_line_ == 0) decimal_comma_line_ = line_number_;
+    } else if (decimal_point_line_ == 0 && text.find('.') != std::string_view::npos) {
+      decimal_point_line_ = line_number_;
+    }
+    if (decimal_comma_line_ > 0 && decimal_point_line_ > 0) {
+      const bool has_comma = decimal_comma_line_ >= decimal_point_line_;
+      return error_here(std::string("has a decimal ") + (has_comma ? "comma" : "point") + " in " +
+                            quoted(text) + ", and line " +
+                            std::to_string(has_comma ? decimal_point_line_ : decimal_comma_line_) +
+                            " has a decimal " + (has_comma ? "point" : "comma") +
+                            "; expected one of them",
+                        "write decimal points in the whole file");
+    }
+    return with_point.empty() ? std::string(text) : with_point;
   }
 
-  std::optional<Error> check_time(double time, std::string_view field) {
-    if (!std::isfinite(time)) {
-      return error_here("time is " + quoted(field) + "; expected a finite number");
+  template <typename Parse>
+  Result<double> read_number(const std::vector<TextField>& fields, std::size_t place,
+                             const Parse& parse) {
+    const auto text = number_text(fields[place]);
+    if (!text) return text.error();
+    const Number number = parse(*text);
+    if (number.kind != NumberKind::kNumber) return field_error(place, fields[place], number.kind);
+    return number.value;
+  }
+
+  std::optional<Error> read_time_of(const std::vector<TextField>& fields) {
+    const std::size_t place = *columns_->time;
+    const auto text = number_text(fields[place]);
+    if (!text) return text.error();
+    const TimeText time = read_time(*text, columns_->time_unit.scale);
+    switch (time.kind) {
+      case TimeTextKind::kTime:
+        break;
+      case TimeTextKind::kNotFinite:
+        return error_here("time is " + quoted(*text) + "; expected a finite number");
+      case TimeTextKind::kOutOfRange:
+        return error_here("time is " + quoted(*text) + "; expected less than 1e12 s",
+                          kTimeUnitHint);
+      case TimeTextKind::kNone:
+        return field_error(place, fields[place], NumberKind::kNone);
     }
-    if (!(time > last_time_)) {
-      return error_here("time " + quoted(field) + " does not increase",
-                        trace_ ? "sort the lines by the column t"
-                               : "sort the lines by the first of the 4 columns, the time");
+    if (!columns_->counts_samples) return take_time(time.fs, *text);
+    if (!rate_Hz_) {
+      return error_here("column " + std::to_string(place + 1) +
+                            " counts samples, which is no time; expected a time or a rate",
+                        "give the rate of the samples with --rate, or write times in seconds");
     }
-    last_time_ = time;
+    // The seconds of as many samples, from a number that was read as seconds.
+    const auto samples_e15 = static_cast<long double>(time.fs);
+    return take_time(static_cast<Int128>(std::round(samples_e15 / *rate_Hz_)), *text);
+  }
+
+  std::optional<Error> take_time(Int128 time_fs, const std::string& text) {
+    std::vector<std::int64_t>& times_ns = trajectory_.times_ns;
+    const bool is_first = times_ns.empty();
+    const Int128 before_fs = std::exchange(last_fs_, time_fs);
+    const std::int64_t length_ns =
+        is_first || time_fs < before_fs ? 0 : nanoseconds_between(before_fs, time_fs);
+    if (!is_first && length_ns <= 0) {
+      return error_here("time " + quoted(text) + " does not increase" +
+                            (time_fs < before_fs ? "" : " by a nanosecond"),
+                        columns_->is_trace ? "sort the lines by the column t"
+                                           : "sort the lines by their time, and delete repeated "
+                                             "ones");
+    }
+    if (!is_first && length_ns > std::numeric_limits<std::int64_t>::max() - times_ns.back()) {
+      return error_here("time " + quoted(text) +
+                            " is more than 292 years after the first one; expected a shorter path",
+                        kTimeUnitHint);
+    }
+    times_ns.push_back(is_first ? 0 : times_ns.back() + length_ns);
+    trajectory_.lines.push_back(line_number_);
     return std::nullopt;
+  }
+
+  // ---- errors ----
+
+  Error comma_error() const {
+    return error_here(
+        "has commas between digits beside blanks, so that a comma may separate columns or "
+        "decimals; "
+        "expected decimal points",
+        "write decimal points, or separate the columns with semicolons");
+  }
+
+  Error field_error(std::size_t place, const TextField& field, NumberKind kind) const {
+    const std::string column = "column " + std::to_string(place + 1) + " ";
+    if (field.text.empty()) return error_here(column + "is empty; expected a number");
+    const std::string problem =
+        column + "is " + quoted(field.text) + "; expected a number" +
+        (kind == NumberKind::kOutOfRange ? " within the range of a double" : "");
+    const bool has_comma = field.text.find(',') != std::string_view::npos;
+    return error_here(
+        problem, has_comma ? "write decimal points, without signs between thousands" : kLineHint);
   }
 
   std::string path_;
+  std::optional<double> rate_Hz_;
   std::size_t line_number_ = 0;
-  bool at_start_ = true;          // only empty lines and comments so far
-  std::size_t column_count_ = 0;  // 0: unknown
-  std::size_t column_line_ = 0;   // the line that determined it
-  std::optional<TraceColumns> trace_;
-  double last_time_ = -std::numeric_limits<double>::infinity();
-  std::vector<Vec3> positions_m_;
+  std::optional<TrajectoryColumns> columns_;
+  std::size_t column_line_ = 0;  // the line that determined them
+  bool has_units_line_ = false;  // the line after the header was read
+  CommentReading comment_;       // what comments before the first row state
+  std::size_t comment_line_ = 0;
+  std::size_t comment_bytes_ = 0;
+  std::size_t naming_comment_ = 0;      // the comment that names the columns; 0: none
+  std::size_t unit_comment_ = 0;        // the comment that states the units; 0: none
+  bool allows_decimal_comma_ = false;   // in this line
+  std::size_t decimal_comma_line_ = 0;  // 0: none
+  std::size_t decimal_point_line_ = 0;
+  Int128 last_fs_ = 0;  // the time of the last row
+  Trajectory trajectory_;
 };
-
-constexpr const char* kExpectedFile = "use a text file of device positions";
 
 }  // namespace
 
-Result<std::vector<Vec3>> read_trajectory(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return open_error(path, EISDIR, kExpectedFile);
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return open_error(path, errno != 0 ? errno : EIO, kExpectedFile);
+Result<Trajectory> read_trajectory(const std::string& path, std::optional<double> rate_Hz) {
+  auto lines = TextLines::open(path, kExpectedFile);
+  if (!lines) return lines.error();
   if (auto error = add_input(path)) return *error;
-  TrajectoryReader reader(path);
-  std::vector<char> line(kMaxLineBytes);
-  while (file.getline(line.data(), static_cast<std::streamsize>(line.size()))) {
-    // gcount() includes the newline; only the last line may lack one.
-    const auto read = static_cast<std::size_t>(file.gcount()) - (file.eof() ? 0 : 1);
-    if (auto error = reader.read_line({line.data(), read}, !file.eof())) return *error;
+  TrajectoryReader reader(path, rate_Hz);
+  while (lines->next()) {
+    if (auto error = reader.read_line(lines->line(), lines->number(), lines->is_whole())) {
+      return *error;
+    }
   }
-  if (file.bad()) {
-    return Error{ErrorCode::kFileUnreadable, path, "", "cannot be read to the end", ""};
-  }
-  if (!file.eof()) {
-    reader.count_line();
-    return reader.error_here("is longer than " + std::to_string(kMaxLineBytes) + " bytes");
-  }
+  if (lines->error()) return *lines->error();
   return reader.finish();
 }
 

@@ -2,6 +2,8 @@
 
 // Recorded positions of a device, read from a text file.
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,22 +12,42 @@
 
 namespace palpate {
 
-// Device positions in the device frame, metres, in the file's order; at least one.
+struct Trajectory {
+  // Device frame, in the file's order; at least one. nan and inf are kept: bad samples.
+  std::vector<Vec3> positions_m;
+  // The time of each position since the first one, in whole nanoseconds, and its line in the file.
+  // Strictly increasing; empty if the file has no times.
+  std::vector<std::int64_t> times_ns;
+  std::vector<std::size_t> lines;
+  bool has_summed_times = false;  // a trace: each time is a sum of time steps in doubles
+  // What was converted, and what was not used: one line of text each.
+  std::vector<std::string> notes;
+};
+
+// A line contains "x y z" or "t x y z", in metres and seconds, separated by blanks or commas. Every
+// line has the same number of columns. "#" begins a comment, empty lines are skipped, and lines end
+// with LF, CRLF or CR.
 //
-// A line contains "x y z" or "t x y z", separated by blanks or commas; every line has the same
-// number of columns. t, in any unit, must be finite and strictly increase; its values have no other
-// effect. x, y and z may be nan or inf, in upper or lower case; such samples are kept. "#" begins a
-// comment, empty lines are skipped, and lines end with LF or CRLF. The first line may be a header:
-// none of its fields is a number, and the column names that it contains (t or time, x, y, z, with
-// or without a unit) are in the order above.
+// The first line may be a header, which names the columns x, y and z in any order, among any other
+// columns, and perhaps a time, each with or without a unit (trajectory_columns.h). Positions and
+// times are converted from their units; a number is rounded once. A line of units may follow. A
+// comment before the first position counts as a header if it names as many columns as the lines
+// have, and "units: mm" in it states the unit. A unit that is not known, or that is stated for some
+// axes only, is an error.
+//
+// Times are read from their decimal digits and rounded to whole nanoseconds. They must be finite
+// and increase. rate_Hz: the rate at which a column such as "n [samples]" counts; without it such a
+// column is an error.
+//
+// In a table whose columns are separated by semicolons or tabs, and in quotes, commas are decimal
+// commas. Elsewhere, a comma that could be either is an error.
 //
 // A trace (trace_csv.h) is also a trajectory. It is recognised by its columns device_x, device_y
-// and device_z, which may be in any order and among any other columns. Its device positions are
-// read, including nan and inf; "t" is treated as above. Each line of a trace has as many columns as
-// the header and ends with a newline; a last line without a newline counts as cut off.
+// and device_z. Each line of a trace has as many columns as the header and ends with a newline; a
+// last line without a newline counts as cut off.
 //
 // The decimal separator is a point in every locale. Any other content is an error that names the
 // line. Thread-safe.
-Result<std::vector<Vec3>> read_trajectory(const std::string& path);
+Result<Trajectory> read_trajectory(const std::string& path, std::optional<double> rate_Hz = {});
 
 }  // namespace palpate

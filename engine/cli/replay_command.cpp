@@ -5,6 +5,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -20,10 +21,10 @@
 #include "engine/cli/run_options.h"
 #include "engine/cli/scene_options.h"
 #include "engine/cli/strategy_option.h"
+#include "engine/cli/trajectory_report.h"
 #include "engine/recording/recording_reader.h"
 #include "engine/session/replay.h"
 #include "engine/session/trace_csv.h"
-#include "io/trajectory.h"
 
 namespace palpate {
 namespace {
@@ -61,8 +62,9 @@ CLI::App* ReplayCommand::add_to(CLI::App& program) {
            "--stiffness or --damping it shows what the same path\ngives under these settings.\n");
   app.add_option(
       "--trajectory", trajectory_,
-      "device positions, one \"[t] x y z\" per line, in metres, or a trace of run or replay; "
-      "required, but for a recording");
+      "device positions, one \"[t] x y z\" per line, in seconds and metres or in the units of a "
+      "header such as \"t [ms], x [mm]\", or a trace of run or replay; with t, each tick takes its "
+      "own time, or, with --rate, positions are interpolated; required, but for a recording");
   add_integer(app, "--repeat", repeat_, {1, 1000},
               "number of passes, 1 to 1000; the shortest time of each tick is kept");
   add_scene(app, scene_, true);
@@ -127,13 +129,22 @@ int ReplayCommand::run(const std::vector<std::string>&) {
     return refuse(invalid_argument("--trajectory", "is missing; it is required beside a scene",
                                    "or name a recording in place of the scene"));
   }
+  double& rate_Hz = options_.settings.rate_Hz;
+  std::optional<double> given_rate_Hz;
+  if (is_given("--rate")) given_rate_Hz = rate_Hz;
+  const Result<PlayedPath> path = read_played_path(trajectory_, given_rate_Hz, 1.0 / rate_Hz);
+  if (!path) return refuse(path.error());
+  if (path->ticks_s && path->times->median_ns > 0) {
+    // The nominal rate, for the work budget. A path may be slower than any device.
+    rate_Hz = std::max(1.0 / kLongestTick_s, path->times->median_rate_Hz());
+  }
   const Result<RunSetup> setup = make_setup(options_);
   if (!setup) return refuse(setup.error());
-  const Result<std::vector<Vec3>> path = read_trajectory(trajectory_);
-  if (!path) return refuse(path.error());
   const Result<Scene> scene = load_scene(scene_, options_.settings);
   if (!scene) return refuse(scene.error());
-  const Result<ReplayResult> result = palpate::replay(*scene, *setup, *path, repeat_);
+  const Result<ReplayResult> result =
+      path->ticks_s ? palpate::replay(*scene, *setup, path->positions_m, *path->ticks_s, repeat_)
+                    : palpate::replay(*scene, *setup, path->positions_m, repeat_);
   if (!result) return refuse(result.error());
   // From here on a signal may not leave half a file.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
@@ -144,12 +155,18 @@ int ReplayCommand::run(const std::vector<std::string>&) {
     }
   }
   if (json_) {
-    print(summary_json(result->summary, *scene));
+    nlohmann::ordered_json summary = summary_json(result->summary, *scene);
+    if (auto trajectory = path_json(*path); !trajectory.is_null()) {
+      summary["trajectory"] = std::move(trajectory);
+    }
+    print(summary);
   } else {
-    std::cout << scene_.path << ", " << trajectory_ << "\n"
-              << summary_text(result->summary, *scene);
+    std::cout << scene_.path << ", " << trajectory_ << path_text(*path) << "\n"
+              << path_notes_text(*path) << summary_text(result->summary, *scene);
   }
-  return exit_code_after_signals(finish_output(load_warning_lines(*scene)));
+  std::vector<std::string> warnings = load_warning_lines(*scene);
+  for (std::string& warning : path_warnings(*path)) warnings.push_back(std::move(warning));
+  return exit_code_after_signals(finish_output(warnings));
 }
 
 }  // namespace

@@ -46,8 +46,9 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   if (wants_rearm_.load(std::memory_order_relaxed)) take_rearm();
   take_motors();
   const LoopChanges changes(loop_, parts_.sink);
+  if (has_ticked_ && loop_.accepts(dt_s)) time_s_ += dt_s;
+  has_ticked_ = true;
   for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, changes);
-  if (is_time_step(dt_s)) time_s_ += dt_s;
   if (!sample.is_valid) loop_.refuse_sample();
   const auto start = std::chrono::steady_clock::now();
   TickRecord record = loop_.tick(Vec3(sample.position_m.data()), dt_s);

@@ -26,7 +26,8 @@ namespace palpate {
 class BeforeTick {
  public:
   virtual ~BeforeTick() = default;
-  // time_s: sum of the valid time steps (is_time_step) of the ticks before this one.
+  // time_s: time of this tick, from 0 at the first one: the sum of the time steps after it that the
+  // loop accepts.
   virtual void before_tick(double time_s, LoopChanges loop) noexcept = 0;
 };
 
@@ -139,6 +140,7 @@ class HapticSession {
   Device& device_;
   SessionParts parts_;
   double time_s_ = 0.0;
+  bool has_ticked_ = false;
   std::int64_t last_step_ns_ = 0;
   std::int64_t last_delay_ns_ = 0;
   std::atomic<bool> is_running_{false};

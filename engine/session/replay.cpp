@@ -30,9 +30,11 @@ class Keeper final : public TickObserver {
   SummaryAccumulator* summary_;
 };
 
-// The same as the public replay(), but throws if an allocation fails.
+// The same as the public replay(), but throws if an allocation fails. lengths_s: null if every tick
+// has the length setup.dt_s.
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
-                            const std::vector<Vec3>& path_m, int passes, MemoryLedger& ledger) {
+                            const std::vector<Vec3>& path_m, const std::vector<double>* lengths_s,
+                            int passes, MemoryLedger& ledger) {
   if (auto error = check_setup(scene, setup)) return *error;
   ledger.begin("recording the ticks");
   const std::uint64_t ticks = path_m.size();
@@ -43,6 +45,7 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
   RunSummary of_first_pass;  // effects of the first pass; step times come from all passes
   for (int pass = 0; pass < passes; ++pass) {
     HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
+    if (lengths_s) loop.use_measured_times();
     auto mover = SteadyMotions::create(scene, setup.moves);
     if (!mover) return mover.error();
     PathDevice device(path_m);
@@ -51,7 +54,9 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
         loop, device,
         {.changes = {&*mover}, .observers = {&keeper}, .max_force_N = setup.max_force_N});
     session.start();
-    for (std::size_t n = 0; n < path_m.size(); ++n) session.tick(setup.dt_s);
+    for (std::size_t n = 0; n < path_m.size(); ++n) {
+      session.tick(lengths_s ? (*lengths_s)[n] : setup.dt_s);
+    }
     if (pass == 0) {
       take_effects(loop, setup.haptics.measures_effects, steps_of(result.records), of_first_pass);
     }
@@ -67,7 +72,16 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
                             const std::vector<Vec3>& path_m, int passes) {
   MemoryLedger ledger;
-  return or_out_of_memory(ledger, [&] { return replay(scene, setup, path_m, passes, ledger); });
+  return or_out_of_memory(ledger,
+                          [&] { return replay(scene, setup, path_m, nullptr, passes, ledger); });
+}
+
+Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
+                            const std::vector<Vec3>& path_m, const std::vector<double>& lengths_s,
+                            int passes) {
+  MemoryLedger ledger;
+  return or_out_of_memory(ledger,
+                          [&] { return replay(scene, setup, path_m, &lengths_s, passes, ledger); });
 }
 
 }  // namespace palpate

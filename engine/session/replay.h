@@ -26,4 +26,11 @@ struct ReplayResult {
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
                             const std::vector<Vec3>& path_m, int passes);
 
+// The same with measured times (HapticLoop::use_measured_times): lengths_s has the length of each
+// tick, > 0 s and of any length. If all lengths are setup.dt_s, every bit is that of the function
+// above.
+Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
+                            const std::vector<Vec3>& path_m, const std::vector<double>& lengths_s,
+                            int passes);
+
 }  // namespace palpate

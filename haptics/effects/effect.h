@@ -81,10 +81,14 @@ struct EffectTick {
   // kProxy only `face` and `normal` are set, because the proxy is still moving.
   double dt_s = 0.0;
   double ticks = 0.0;                    // number of good ticks before this one
+  double steady_ticks = 0.0;             // the last of them, in a row, of the same dt
+  double time_s = 0.0;                   // of this tick
   Vec3 proxy_m = Vec3::Zero();           // equals the device point without contact
   double radius_m = 0.0;                 // of the proxy
   Vec3 velocity_m_per_s = Vec3::Zero();  // of the device point; zero if unknown
-  double longest_dt_s = 0.0;             // the longer of this tick's dt and the previous tick's
+  double longest_dt_s = 0.0;             // the longer of this tick's dt and the previous tick's;
+                                         // measured times: this tick's
+  bool has_measured_times = false;       // HapticLoop::use_measured_times()
   bool slid = false;                     // the proxy moved along the touched surface
   Vec3 normal = Vec3::Zero();            // unit contact normal; from kForceAdd on, the rendered one
   double share = 1.0;                    // this material's share of the contact force, (0, 1]

@@ -123,6 +123,9 @@ EffectTick& EffectRunner::prepared(const ProxyState& state, const EffectMotion& 
   tick_.dt_s = motion.dt_s;
   tick_.longest_dt_s = motion.longest_dt_s;
   tick_.ticks = motion.ticks;
+  tick_.steady_ticks = motion.steady_ticks;
+  tick_.time_s = motion.time_s;
+  tick_.has_measured_times = motion.has_measured_times;
   tick_.proxy_m = state.proxy;
   tick_.velocity_m_per_s = motion.velocity_m_per_s;
   tick_.slid = state.slid;

@@ -27,8 +27,11 @@ struct ContactResponse {
 // The motion in a tick, as input of the effects. Solver frame.
 struct EffectMotion {
   double dt_s = 0.0;
-  double longest_dt_s = 0.0;  // the longer of this tick's dt and the previous tick's
+  double longest_dt_s = 0.0;  // as in EffectTick
   double ticks = 0.0;         // number of good ticks before this one
+  double steady_ticks = 0.0;  // the last of them, in a row, that had the same dt as this one
+  double time_s = 0.0;        // of this tick
+  bool has_measured_times = false;
   Vec3 goal_m = Vec3::Zero();
   Vec3 velocity_m_per_s = Vec3::Zero();
 };

@@ -36,6 +36,7 @@ struct RestitutionEffect {
     double pulse_s = 0.0;                                         // time since the pulse began
     double impulse_Ns = 0.0;                                      // of the whole pulse; 0: no pulse
     double next_tick = -std::numeric_limits<double>::infinity();  // the tick after the last contact
+    double contact_s = 0.0;                                       // the time of the last contact
   };
   static constexpr ParameterKey kKeys[] = {
       {"restitution", "", 0.0, 1.0, offsetof(Parameters, restitution),
@@ -51,8 +52,9 @@ struct RestitutionEffect {
   static bool apply(const Parameters& p, State& s, EffectTick& tick) noexcept {
     const double approach_m_per_s = -tick.velocity_m_per_s.dot(tick.normal);
     // Chatter is not an impact: the proxy must have left the surface for longer than a pulse.
-    const bool is_impact = (tick.ticks - s.next_tick) * tick.dt_s > p.duration_s;
+    const bool is_impact = free_s(s, tick) > p.duration_s;
     s.next_tick = tick.ticks + 1.0;
+    s.contact_s = tick.time_s;
     if (is_impact) {
       // If a sample arrives early, its displacement took longer than its dt.
       const double speed_m_per_s = approach_m_per_s * tick.dt_s / tick.longest_dt_s;
@@ -69,6 +71,17 @@ struct RestitutionEffect {
     tick.force_N += tick.share * s.impulse_Ns * part / tick.dt_s * tick.normal;
     if (end == 1.0) s.impulse_Ns = 0.0;
     return true;
+  }
+
+ private:
+  // The length of the ticks without contact before this one. Ticks of one length are counted, which
+  // is exact; measured times of other ticks are subtracted.
+  static double free_s(const State& s, const EffectTick& tick) noexcept {
+    const double ticks = tick.ticks - s.next_tick;
+    if (!tick.has_measured_times || std::isinf(ticks) || ticks <= tick.steady_ticks) {
+      return ticks * tick.dt_s;
+    }
+    return tick.time_s - tick.dt_s - s.contact_s;
   }
 };
 

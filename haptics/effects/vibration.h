@@ -14,8 +14,10 @@ namespace palpate {
 // contact or only while it slides. This is open-loop vibration feedback (Okamura, Dennerlein and
 // Howe 1998, "Vibration feedback models for virtual environments"). The amplitude rises over the
 // first period. It falls over one period when sliding ends, and at once when the contact ends. The
-// force may attract the hand with a strength of up to its amplitude. A frequency of half the tick
-// rate or more is not rendered, because it would alias to another one.
+// force may attract the hand with a strength of up to its amplitude. In a tick that is half a
+// period long or longer, the force is zero, because it would alias to another frequency. With
+// measured times, phase and strength go on in such a tick, so that a gap between two samples does
+// not shift the phase; without, the vibration begins anew after it.
 struct VibrationEffect {
   static constexpr std::string_view kName = "vibration";
   static constexpr EffectStage kStage = EffectStage::kForceAdd;
@@ -52,7 +54,8 @@ struct VibrationEffect {
 
   static bool apply(const Parameters& p, State& s, EffectTick& tick) noexcept {
     const double periods = p.frequency_Hz * tick.dt_s;
-    if (periods >= 0.5) return false;
+    const bool aliases = periods >= 0.5;
+    if (aliases && !tick.has_measured_times) return false;
     if (tick.ticks != s.last_tick + 1.0) s = {};
     s.last_tick = tick.ticks;
     const bool is_wanted = p.when == 0.0 || tick.slid;
@@ -63,6 +66,7 @@ struct VibrationEffect {
     }
     s.phase += periods;
     s.phase -= std::floor(s.phase);
+    if (aliases) return false;
     tick.force_N += tick.share * p.amplitude_N * s.strength *
                     std::sin(2.0 * std::numbers::pi * s.phase) * tick.normal;
     return true;

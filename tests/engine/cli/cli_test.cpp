@@ -1466,8 +1466,8 @@ TEST_F(CommandLine, ReplaysTheFaultsOfATrace) {
             without_times(content_of(folder.path("first.csv"))));
 }
 
-TEST_F(CommandLine, UsesTheTimeStepOfTheRateAndNotOfTheFile) {
-  folder.write("path.txt", "0 0.12 0 0\n5 0.11 0 0\n7 0.1 0 0\n");
+TEST_F(CommandLine, UsesTheTimeStepOfTheRateForAFileWithoutTimes) {
+  folder.write("path.txt", "0.12 0 0\n0.11 0 0\n0.1 0 0\n");
   expect_done(replay({"--rate", "4000", "--out", folder.path("trace.csv")}));
   const auto rows = rows_of(content_of(folder.path("trace.csv")));
   ASSERT_EQ(rows.size(), 3u);
