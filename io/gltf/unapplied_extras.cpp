@@ -34,27 +34,28 @@ struct Path {
   }
 };
 
-enum class Kind { kMaterial, kScene, kNode, kMesh, kOther };
+enum class ElementKind { kMaterial, kScene, kNode, kMesh, kOther };
 
 // The element of the file that extras belong to. A primitive is a kMesh with a number.
 struct Element {
-  Kind kind = Kind::kOther;
+  ElementKind kind = ElementKind::kOther;
   std::size_t index = 0;
   std::optional<std::size_t> primitive = {};
 };
 
-constexpr std::pair<std::string_view, Kind> kSections[] = {{"materials", Kind::kMaterial},
-                                                           {"scenes", Kind::kScene},
-                                                           {"nodes", Kind::kNode},
-                                                           {"meshes", Kind::kMesh}};
+constexpr std::pair<std::string_view, ElementKind> kElementSections[] = {
+    {"materials", ElementKind::kMaterial},
+    {"scenes", ElementKind::kScene},
+    {"nodes", ElementKind::kNode},
+    {"meshes", ElementKind::kMesh}};
 
-unsigned owner_of(Kind kind) {
+unsigned owner_of(ElementKind kind) {
   switch (kind) {
-    case Kind::kMaterial:
+    case ElementKind::kMaterial:
       return kOfMaterial;
-    case Kind::kScene:
+    case ElementKind::kScene:
       return kOfScene;
-    case Kind::kNode:
+    case ElementKind::kNode:
       return kOfNode;
     default:
       return 0;
@@ -102,10 +103,10 @@ class Search {
   std::vector<std::string> run() {
     const Path root;
     for (const auto& [name, value] : asset_.json.items()) {
-      const auto section = std::find_if(std::begin(kSections), std::end(kSections),
+      const auto section = std::find_if(std::begin(kElementSections), std::end(kElementSections),
                                         [&key = name](const auto& s) { return s.first == key; });
       const Path path = root / name;
-      if (section == std::end(kSections) || !value.is_array()) {
+      if (section == std::end(kElementSections) || !value.is_array()) {
         read_member(name, value, path, {}, true);
         continue;
       }
@@ -133,10 +134,11 @@ class Search {
     if (!value.is_object()) return;
     for (const auto& [name, member] : value.items()) {
       const Path at = path / name;
-      if (is_element && element.kind == Kind::kMesh && name == "primitives" && member.is_array()) {
+      if (is_element && element.kind == ElementKind::kMesh && name == "primitives" &&
+          member.is_array()) {
         for (std::size_t i = 0; i < member.size(); ++i) {
           const Path primitive = at / i;
-          walk(member[i], primitive, {Kind::kMesh, element.index, i}, false);
+          walk(member[i], primitive, {ElementKind::kMesh, element.index, i}, false);
         }
         continue;
       }
@@ -188,7 +190,7 @@ class Search {
   // The group palpate of an element.
   void read_group(const Json& group, const Path& path, const Element& element, bool is_own) {
     const bool has_values = is_own && owner_of(element.kind) != 0;
-    if (!has_values || (element.kind == Kind::kNode && !group.contains(kMedium))) {
+    if (!has_values || (element.kind == ElementKind::kNode && !group.contains(kMedium))) {
       return add(path, [&] { return belongs(group, element, true); });
     }
     if (is_applied(element)) return;
@@ -196,7 +198,7 @@ class Search {
   }
 
   void read_contour(const Path& path, const Element& element, bool is_own) {
-    if (is_own && element.kind == Kind::kNode) {
+    if (is_own && element.kind == ElementKind::kNode) {
       if (!is_applied(element)) add(path, [&] { return why_not_applied(element); });
       return;
     }
@@ -205,11 +207,11 @@ class Search {
 
   bool is_applied(const Element& element) const {
     switch (element.kind) {
-      case Kind::kMaterial:
+      case ElementKind::kMaterial:
         return element.index < applied_.materials.size() && applied_.materials[element.index];
-      case Kind::kNode:
+      case ElementKind::kNode:
         return element.index < applied_.nodes.size() && applied_.nodes[element.index];
-      case Kind::kScene:
+      case ElementKind::kScene:
         return applied_.scene == element.index;
       default:
         return false;
@@ -218,9 +220,9 @@ class Search {
 
   static std::string why_not_applied(const Element& element) {
     switch (element.kind) {
-      case Kind::kMaterial:
+      case ElementKind::kMaterial:
         return "no triangle that is loaded has this material";
-      case Kind::kNode:
+      case ElementKind::kNode:
         return "the node is hidden, or is not part of the loaded scene";
       default:
         return "another scene of the file is loaded; load this one with "
@@ -338,10 +340,10 @@ class Search {
     std::vector<std::size_t> found;
     const tinygltf::Model& model = asset_.model;
     std::size_t mesh = element.index;
-    if (element.kind == Kind::kNode) {
+    if (element.kind == ElementKind::kNode) {
       if (mesh >= model.nodes.size() || model.nodes[mesh].mesh < 0) return found;
       mesh = static_cast<std::size_t>(model.nodes[mesh].mesh);
-    } else if (element.kind != Kind::kMesh) {
+    } else if (element.kind != ElementKind::kMesh) {
       return found;
     }
     if (mesh >= model.meshes.size()) return found;
@@ -365,9 +367,9 @@ class Search {
 
   // Where keys with these owners belong that were written at the element.
   std::string place_of(unsigned owners, const Element& element, bool has_medium) const {
-    const bool is_node = element.kind == Kind::kNode;
+    const bool is_node = element.kind == ElementKind::kNode;
     if ((owners & owner_of(element.kind)) && !(is_node && !has_medium && (owners & kOfMaterial))) {
-      if (element.kind == Kind::kMaterial) return material_place(element.index);
+      if (element.kind == ElementKind::kMaterial) return material_place(element.index);
       const std::string own =
           gltf_element(is_node ? "nodes" : "scenes", element.index, "extras/palpate");
       return is_node && !has_medium ? own + ", together with the key medium" : own;
