@@ -336,7 +336,7 @@ class TrajectoryReader {
                                            : "sort the lines by their time, and delete repeated "
                                              "ones");
     }
-    if (!is_first && length_ns > std::numeric_limits<std::int64_t>::max() - times_ns.back()) {
+    if (!is_first && length_ns >= std::numeric_limits<std::int64_t>::max() - times_ns.back()) {
       return error_here("time " + quoted(text) +
                             " is more than 292 years after the first one; expected a shorter path",
                         kTimeUnitHint);

@@ -215,9 +215,10 @@ TEST_F(TrajectoryFile, ConvertsUnitsOfLength) {
       SCOPED_TRACE(header);
       const Trajectory read = trajectory(header + "\n1," + number + ",3\n");
       ASSERT_EQ(read.positions_m.size(), 1u);
-      EXPECT_NEAR(read.positions_m[0].x(), value * unit.metres,
-                  2e-16 * std::abs(value) * unit.metres);
-      EXPECT_NEAR(read.positions_m[0].z(), unit.metres, 2e-16 * unit.metres);
+      // The expected values are rounded twice.
+      const double rounding = 2 * std::numeric_limits<double>::epsilon() * unit.metres;
+      EXPECT_NEAR(read.positions_m[0].x(), value * unit.metres, rounding * std::abs(value));
+      EXPECT_NEAR(read.positions_m[0].z(), unit.metres, rounding);
       EXPECT_EQ(read.notes.size(), unit.metres == 1.0 ? 0u : 1u);
     }
   }
