@@ -59,6 +59,10 @@ class TrajectoryReader {
     }
     line = trimmed(line.substr(0, mark));
     if (line.empty()) return std::nullopt;
+    if (line.find_first_not_of('\0') == std::string_view::npos) {
+      return error_here("has only bytes of value 0; expected text",
+                        "delete the end of a file that was not written completely");
+    }
     if (!columns_) {
       const auto separator = separator_of_header(line);
       if (is_header(line, separator)) return take_header(line);
@@ -337,7 +341,7 @@ class TrajectoryReader {
                                            : "sort the lines by their time, and delete repeated "
                                              "ones");
     }
-    if (!is_first && length_ns > std::numeric_limits<std::int64_t>::max() - times_ns.back()) {
+    if (!is_first && length_ns >= std::numeric_limits<std::int64_t>::max() - times_ns.back()) {
       return error_here("time " + quoted(text) +
                             " is more than 292 years after the first one; expected a shorter path",
                         kTimeUnitHint);

@@ -248,9 +248,14 @@ CommentReading read_stated_units(const std::vector<std::string_view>& words) {
   const auto speaks = std::find_if(words.begin(), words.end(), [](std::string_view word) {
     return std::count(std::begin(kUnitWords), std::end(kUnitWords), folded_unit(word)) > 0;
   });
-  if (speaks == words.end()) return reading;
+  // "ms, mm, mm, mm": a line of units below the names.
+  const bool are_units =
+      words.size() >= 3 && std::all_of(words.begin(), words.end(), [](std::string_view word) {
+        return find_length_unit(word) || find_time_unit(word);
+      });
+  if (speaks == words.end() && !are_units) return reading;
   std::size_t unknown = 0;
-  for (auto word = speaks + 1; word != words.end(); ++word) {
+  for (auto word = are_units ? words.begin() : speaks + 1; word != words.end(); ++word) {
     const auto length = find_length_unit(*word);
     const auto time = find_time_unit(*word);
     if (length && folded_unit(*word) == "in" && word + 1 != words.end()) continue;  // "in mm"
@@ -264,7 +269,7 @@ CommentReading read_stated_units(const std::vector<std::string_view>& words) {
     unknown += !length && !time;
   }
   const bool has_known = reading.length || reading.time;
-  if (!has_known && unknown == 1 && words.end() - speaks == 2) {
+  if (!are_units && !has_known && unknown == 1 && words.end() - speaks == 2) {
     reading.problem = "states the unit " + quoted(words.back()) +
                       ", which is no known unit of length; expected " + std::string(kLengthUnits);
   }

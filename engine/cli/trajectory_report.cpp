@@ -83,12 +83,13 @@ Result<PlayedPath> read_played_path(const std::string& file, std::optional<doubl
 std::string path_text(const PlayedPath& path) {
   if (!path.times) return "";
   const PathTimes& times = *path.times;
-  std::string text = formatted(": %zu positions in %.9g s", times.rows, seconds(times.duration_ns));
+  std::string text = formatted(": %zu position%s in %.9g s", times.rows, times.rows == 1 ? "" : "s",
+                               seconds(times.duration_ns));
   if (times.median_ns > 0) text += formatted(", median %.6g Hz", times.median_rate_Hz());
   if (!path.at_rate_Hz) return text + ", each at its time";
   text += formatted(", at %.6g Hz (--rate): ", *path.at_rate_Hz);
   if (path.interpolated == 0 && path.positions_m.size() == times.rows) {
-    return text + "no position is interpolated, their times are those of this rate";
+    return text + "no position is interpolated, the times are those of this rate";
   }
   return text + formatted("%zu of %zu positions are interpolated in time", path.interpolated,
                           path.positions_m.size());

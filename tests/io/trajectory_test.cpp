@@ -215,9 +215,10 @@ TEST_F(TrajectoryFile, ConvertsUnitsOfLength) {
       SCOPED_TRACE(header);
       const Trajectory read = trajectory(header + "\n1," + number + ",3\n");
       ASSERT_EQ(read.positions_m.size(), 1u);
-      EXPECT_NEAR(read.positions_m[0].x(), value * unit.metres,
-                  2e-16 * std::abs(value) * unit.metres);
-      EXPECT_NEAR(read.positions_m[0].z(), unit.metres, 2e-16 * unit.metres);
+      // The expected values are rounded twice.
+      const double rounding = 2 * std::numeric_limits<double>::epsilon() * unit.metres;
+      EXPECT_NEAR(read.positions_m[0].x(), value * unit.metres, rounding * std::abs(value));
+      EXPECT_NEAR(read.positions_m[0].z(), unit.metres, rounding);
       EXPECT_EQ(read.notes.size(), unit.metres == 1.0 ? 0u : 1u);
     }
   }
@@ -231,6 +232,8 @@ TEST_F(TrajectoryFile, ReadsUnitsInCommentsAndBelowNames) {
                            "# units: mm\nx,y,z\n1000,-2500,3\n4000,0,-62.5\n",
                            "x y z # all in mm\n# mm\n1000 -2500 3\n4000 0 -62.5\n",
                            "# z_mm,x_mm,y_mm\n3,1000,-2500\n-62.5,4000,0\n",
+                           "# x,y,z\n# mm,mm,mm\n1000,-2500,3\n4000,0,-62.5\n",
+                           "# Position (mm), Time (s)\n1000 -2500 3\n4000 0 -62.5\n",
                            "# positions in millimetres\n1000 -2500 3\n4000 0 -62.5\n"}) {
     SCOPED_TRACE(text);
     EXPECT_EQ(positions(text), kTwoPoints);
@@ -359,6 +362,7 @@ TEST_F(TrajectoryFile, NamesTheLineOfAFieldThatIsNotANumber) {
 
 TEST_F(TrajectoryFile, RefusesLinesOfAnotherLength) {
   expect_message("1 2\n", "line 1: ", "has 2 columns; expected 3 or 4");
+  expect_message(std::string("1 2 3\n\0\0\0\n", 10), "line 2: ", "bytes of value 0");
   expect_message("1 2 3 4 5\n", "line 1: ", "has 5 columns");
   expect_message("\n1 2 3\n1 2 3\n1 2 3 4\n",
                  "line 4: ", "has 4 columns; expected 3 columns as in line 2");
