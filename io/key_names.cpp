@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 namespace palpate {
@@ -55,6 +56,22 @@ std::uint64_t letters_of(std::string_view plain) {
     letters |= std::uint64_t{1} << bit;
   }
   return letters;
+}
+
+// The name without the units at its end: "stiffness_N_per_m" and "Stiffness (N/m)" give the word.
+std::string_view without_units(std::string_view name) {
+  constexpr std::string_view kUnits[] = {"n",  "m", "mm", "cm", "per", "s",
+                                         "ms", "g", "kg", "hz", "deg", "rad"};
+  while (true) {
+    while (!name.empty() && is_sign(name.back())) name.remove_suffix(1);
+    std::size_t begin = name.size();
+    while (begin > 0 && !is_sign(name[begin - 1])) --begin;
+    const std::string word = plain_name(name.substr(begin));
+    if (begin == 0 || std::find(std::begin(kUnits), std::end(kUnits), word) == std::end(kUnits)) {
+      return name;
+    }
+    name = name.substr(0, begin);
+  }
 }
 
 std::size_t most_errors(std::size_t letters) {
@@ -132,8 +149,12 @@ std::optional<KeyMatch> KeyNames::find(std::string_view name, unsigned owners,
     const std::size_t errors = letter_distance(key.plain, plain, most);
     if (errors <= most) offer(keys_[i], KeyLikeness::kNear, errors);
   }
-  if (!best) return std::nullopt;
-  return best->second;
+  if (best) return best->second;
+  const std::string_view bare = without_units(name);
+  if (bare.size() == name.size()) return std::nullopt;
+  auto match = find(bare, owners, left);
+  if (match) match->likeness = KeyLikeness::kNear;
+  return match;
 }
 
 std::string KeyNames::why_unknown(std::string_view name, KeyOwner owner) const {

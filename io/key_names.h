@@ -52,7 +52,8 @@ class KeyNames {
 
   // The key that a name means; no value if no key is near. Keys with one of the owners are
   // preferred at the same likeness. A key of n letters is near a name that differs in at most n / 4
-  // letters, and at most 3. Keys of less than 7 letters are ordinary words and are near none.
+  // letters, and at most 3, or that has a unit at its end. Keys of less than 7 letters are ordinary
+  // words and are near none.
   std::optional<KeyMatch> find(std::string_view name, unsigned owners, Allowance& left) const;
 
   // Why a key of an extras.palpate group is not known, and which key it means: "the key is unknown;

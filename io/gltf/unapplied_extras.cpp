@@ -88,6 +88,13 @@ bool is_contour_name(std::string_view rest) {
   return plain_name(rest) == "contour";
 }
 
+// A long path without its middle.
+std::string middle_cut(const std::string& path) {
+  constexpr std::size_t kMostBytes = 300;
+  if (path.size() <= kMostBytes) return path;
+  return path.substr(0, kMostBytes / 2) + "..." + path.substr(path.size() - kMostBytes / 2);
+}
+
 const char* type_of(const Json& value) {
   if (value.is_string()) return "a text";
   if (value.is_array()) return "a list";
@@ -426,7 +433,7 @@ class Search {
   template <typename Text>
   void add(const Path& path, const Text& text) {
     if (++count_ > kMostUnappliedLines) return;
-    lines_.push_back(path.text() + ": is not applied; " + text());
+    lines_.push_back(middle_cut(path.text()) + ": is not applied; " + text());
   }
 
   const GltfAsset& asset_;

@@ -76,6 +76,10 @@ TEST(KeyNames, FindsOtherSpellings) {
   }
   EXPECT_EQ(found("dinamicFricton"), "dynamicFriction near");
   EXPECT_EQ(found("Solid"), "solid spelled");
+  for (const char* name : {"stiffness_N_per_m", "Stiffness (N/m)", "stiffness [N/m]"}) {
+    EXPECT_EQ(found(name), "stiffness near") << name;
+  }
+  EXPECT_EQ(found("stiffness_map"), "");
 }
 
 TEST(KeyNames, LeavesOtherWordsAlone) {

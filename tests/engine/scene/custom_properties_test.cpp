@@ -115,7 +115,7 @@ std::vector<Property> told_properties() {
       {material, {{"palpateStifness", 400}}, {"/materials/0/extras/", "nearest key, stiffness"}},
       {material, {{"palpate colour", 1}}, {"/materials/0/extras/", "no key is named \"colour\""}},
       // Other spellings of the group.
-      {material, {{"Palpate", kGroup}}, {"/materials/0/extras/Palpate: ", "named palpate"}},
+      {material, {{"Palpate", kGroup}}, {"/materials/0/extras/Palpate: ", "group is palpate"}},
       {material, {{"PALPATE", kGroup}}, {"/materials/0/extras/PALPATE: ", "palpate, not"}},
       {material, {{"palpte", kGroup}}, {"/materials/0/extras/palpte: ", "palpate, not", kWood}},
       {mesh, {{"Palpate", kGroup}}, {"/meshes/0/extras/Palpate: ", "palpate, not", kWood}},

@@ -422,7 +422,9 @@ TEST(MaterialEffects, AreOnlyAMediumIfTheMaterialIsNotSolid) {
   EXPECT_TRUE(compiled_material({given("solid", true)}).is_solid);
   expect_names(refused({given("solid", false)}), {"wood", "/solid", "no effect"});
   expect_names(refused({given("solid", false), given("viscosity", 0.0)}), {"no effect"});
-  expect_names(refused({given("solid", 1.0)}), {"/solid", "true or false"});
+  EXPECT_TRUE(compiled_material({given("solid", 1.0)}).is_solid);
+  EXPECT_FALSE(compiled_material({given("solid", 0.0), given("viscosity", 2.0)}).is_solid);
+  expect_names(refused({given("solid", 0.5)}), {"/solid", "true or false, or 1 or 0"});
   expect_names(refused({given("solid", false), given("viscosity", 2.0), given("stiffness", 2.0)}),
                {"stiffness", "solid is false"});
   // Values of the node's physics material do not contradict the material.

@@ -363,15 +363,19 @@ TEST(GltfMaterials, NodeWithAMediumMakesARegion) {
   EXPECT_EQ(scene.regions[1].name, "node 4");
 }
 
-TEST(GltfMaterials, NodeWithoutAMediumIsAWarning) {
+TEST(GltfMaterials, NodeWithoutAMediumIsNotApplied) {
   GltfBuilder asset = GltfBuilder::one_triangle();
   asset.json["nodes"][0]["name"] = "tip";
   asset.json["nodes"][0]["extras"]["palpate"] = {{"stiffness", 100}};
-  const auto scene = read_glb(asset);
+  const KeyNames names({{"stiffness", kOfMaterial}, {"medium", kOfNode}});
+  ReadOptions options;
+  options.key_names = &names;
+  const auto scene = read_glb(asset, options);
   EXPECT_TRUE(scene.regions.empty());
-  ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_EQ(scene.warnings[0].rfind("/nodes/0/extras/palpate: \"tip\" ", 0), 0u)
-      << scene.warnings[0];
+  ASSERT_EQ(scene.unapplied_extras.size(), 1u);
+  EXPECT_EQ(scene.unapplied_extras[0],
+            "/nodes/0/extras/palpate: is not applied; stiffness belongs in extras.palpate of a "
+            "material");
   asset.json["nodes"][0]["extras"]["palpate"] = "soft";
   expect_invalid(asset, "/nodes/0/extras/palpate", "an object");
   asset.json["nodes"][0]["extras"]["palpate"] = {{"medium", "box"}, {"a.b", 1}};
