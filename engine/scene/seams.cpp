@@ -65,13 +65,14 @@ constexpr std::size_t kMostMet = 16;
 // Properties of a mesh, shared by all its surfaces.
 struct MeshOutline {
   Box box;
-  Vec3 reach_m;                         // largest |coordinate| of its vertices, by axis
-  std::vector<std::uint32_t> boundary;  // ascending; filled on demand, for open meshes only
+  Vec3 reach_m;                               // largest |coordinate| of its vertices, by axis
+  std::vector<std::uint32_t> boundary;        // ascending; filled on demand, for open meshes only
+  std::optional<SharedCells::Points> points;  // filled on demand
 };
 
 MeshOutline outline_of(const WeldedSurface& mesh) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  MeshOutline outline{{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)}, {}, {}};
+  MeshOutline outline{{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)}, {}, {}, {}};
   for (const Vec3& p : mesh.positions()) outline.box = outline.box.united({p, p});
   outline.reach_m = outline.box.low.cwiseAbs().cwiseMax(outline.box.high.cwiseAbs());
   return outline;
@@ -84,6 +85,7 @@ struct Placed {
   double rounding_m = 0.0;  // bound on the error of its vertices, see kRoundoffPerTransform
   double apart_m = 0.0;     // bound on the distance of its index, see kFrameRoundoff
   std::vector<std::uint32_t> joining;  // SeamSurface::met and the boundary; empty without met
+  std::vector<std::uint32_t> inner;    // vertices inside the boundary near other boundaries
 
   Placed(const SeamSurface& s, const Vec3& anchor_scene_m)
       : surface(&s), translation_solver_m(s.node->translation_m - anchor_scene_m) {}
@@ -289,13 +291,22 @@ class SeamSearch {
     SharedCells cells(kCellPerJoin * most_m_, most);
     std::erase_if(near_, [&](std::uint32_t s) {
       const std::vector<std::uint32_t>& own = joining(s);
-      const bool is_added = std::all_of(
-          own.begin(), own.end(), [&](std::uint32_t v) { return cells.add(vertex(s, v), s); });
+      constexpr std::size_t kAhead = 8;  // vertices whose cells are fetched in advance
+      bool is_added = true;
+      for (std::size_t i = 0; i < own.size() && is_added; ++i) {
+        if (i + kAhead < own.size()) cells.fetch(vertex(s, own[i + kAhead]));
+        is_added = cells.add(vertex(s, own[i]), s);
+      }
       if (!is_added) seams_.crowded.push_back(s);
       return !is_added;
     });
     std::size_t inner = 0;
-    for (const std::uint32_t s : near_) inner += share_cells(s, cells);
+    for (const std::uint32_t s : near_) {
+      inner += share_cells(s, cells);
+      const std::uint64_t listed = 2 * inner * sizeof(std::uint32_t);  // as vectors grow
+      if (auto error = ledger_.check(SharedCells::bytes(most) + listed)) return error;
+    }
+    if (!cells.may_be_shared()) return std::nullopt;
     std::size_t shared = 0;
     visit_shared(cells, [&](std::uint32_t, const Vec3&) { ++shared; });
     if (shared == 0) return std::nullopt;
@@ -315,15 +326,22 @@ class SeamSearch {
   // are near a marked cell.
   std::size_t share_cells(std::uint32_t s, SharedCells& cells) {
     const std::vector<std::uint32_t>& own = joining(s);
-    const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
     std::size_t inner = 0;
     std::size_t next = 0;
-    for (std::uint32_t v = 0; v < count; ++v) {
+    MeshOutline& of_mesh = outline(s);
+    if (!of_mesh.points) of_mesh.points.emplace(mesh(s).positions());
+    cells.find_near(*of_mesh.points,
+                    {placed_[s].surface->node->linear_scene_mesh, placed_[s].translation_solver_m,
+                     of_mesh.reach_m},
+                    most_m_, near_vertices_);
+    for (const std::uint32_t v : near_vertices_) {
+      while (next < own.size() && own[next] < v) ++next;
       const bool is_on_boundary = next < own.size() && own[next] == v;
-      if (is_on_boundary) ++next;
       const Vec3 p = vertex(s, v);
       if (is_on_boundary && cells.is_inside_cell(p, most_m_)) continue;
-      if (cells.share_near(p, most_m_, s) && !is_on_boundary) ++inner;
+      if (!cells.share_near(p, most_m_, s) || is_on_boundary) continue;
+      placed_[s].inner.push_back(v);
+      ++inner;
     }
     return inner;
   }
@@ -347,8 +365,9 @@ class SeamSearch {
     for (const std::uint32_t s : near_) {
       most_vertices = std::max(most_vertices, mesh(s).positions().size());
     }
-    return shared * sizeof(BoundaryPoint) + PointGrid::bytes(shared) +
-           PointGrid::bytes(most_candidates_) + most_candidates_ * kPerCandidate +
+    return 2 * most_candidates_ * sizeof(std::uint32_t) + shared * sizeof(BoundaryPoint) +
+           PointGrid::bytes(shared) + PointGrid::bytes(most_candidates_) +
+           most_candidates_ * kPerCandidate +
            std::min(most_vertices, most_candidates_) * (sizeof(Candidate) + sizeof(Pair));
   }
 
@@ -356,21 +375,22 @@ class SeamSearch {
   // another surface. No value if too many points are near a vertex.
   std::optional<std::vector<Candidate>> candidates(std::uint32_t s, const BoundaryGrid& boundary) {
     std::vector<Candidate> found;
-    const auto count = static_cast<std::uint32_t>(mesh(s).positions().size());
     const std::vector<std::uint32_t>& own = joining(s);
     std::size_t next = 0;
-    for (std::uint32_t v = 0; v < count; ++v) {
-      const Vec3 p = vertex(s, v);
-      const bool is_on_boundary = next < own.size() && own[next] == v;
-      if (is_on_boundary) {
-        ++next;
-        if (shared_cells_->is_shared(p)) found.push_back({v, true, p});
-        continue;
+    const auto add_boundary = [&](std::uint32_t end) {
+      for (; next < own.size() && own[next] < end; ++next) {
+        const Vec3 p = vertex(s, own[next]);
+        if (shared_cells_->is_shared(p)) found.push_back({own[next], true, p});
       }
+    };
+    for (const std::uint32_t v : placed_[s].inner) {
+      add_boundary(v);
+      const Vec3 p = vertex(s, v);
       const std::optional<bool> is_near = boundary.is_near_another(p, s);
       if (!is_near) return std::nullopt;
       if (*is_near) found.push_back({v, false, p});
     }
+    add_boundary(static_cast<std::uint32_t>(mesh(s).positions().size()));
     return found;
   }
 
@@ -448,6 +468,7 @@ class SeamSearch {
   std::vector<MeshOutline> outlines_;
   std::vector<Placed> placed_;
   std::vector<std::uint32_t> near_;
+  std::vector<std::uint32_t> near_vertices_;  // of the surface that is searched
   std::optional<SharedCells> shared_cells_;
   std::size_t most_candidates_ = 0;    // of all surfaces together
   std::vector<BoundaryPoint> points_;  // in shared cells

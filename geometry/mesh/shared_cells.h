@@ -3,8 +3,10 @@
 // Finds the cells of space that contain points of more than one owner.
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/base/types.h"
@@ -21,10 +23,13 @@ class SharedCells {
  public:
   // capacity: the largest number of points that will be added.
   SharedCells(double cell_m, std::size_t capacity)
-      : per_cell_(1.0 / cell_m), slots_(slot_count(capacity), 0) {}
+      : per_cell_(1.0 / cell_m),
+        slots_(slot_count(capacity), 0),
+        marks_(slots_.size() / kSlotsPerWord, 0),
+        word_shift_(64 - std::countr_zero(marks_.size())) {}
 
   static std::uint64_t bytes(std::size_t capacity) {
-    return slot_count(capacity) * sizeof(std::uint64_t);
+    return slot_count(capacity) * (sizeof(std::uint64_t) + sizeof(std::uint64_t) / kSlotsPerWord);
   }
 
   // The number of points of one owner in one cell that counts as a crowd.
@@ -33,15 +38,46 @@ class SharedCells {
   // Adds a point of an owner to the cell of the point. All points of one owner must be added
   // consecutively. Returns false if the cell contains a crowd of this owner's points.
   bool add(const Vec3& p, std::uint32_t owner) {
+    const Mark mark = mark_of(whole_below(along(p)));
+    marks_[mark.word] |= mark.bits;
     const std::uint64_t key = spatial_key(spatial_cell(p, per_cell_));
     std::uint64_t& slot = slots_[find(key)];
     const bool is_by_another = slot != 0 && owner_of(slot) != owner;
     const std::uint64_t count = slot == 0 || is_by_another ? 1 : count_of(slot) + 1;
+    may_be_shared_ = may_be_shared_ || is_by_another;
     const std::uint64_t shared = is_by_another ? kIsShared : slot & kIsShared;
     slot = tag_of(key) | std::min(count, kCrowd) << kCountBegin | shared |
            std::uint64_t{owner} << 1 | kIsThere;
     return count < kCrowd;
   }
+
+  // Fetches the memory that add() will need for this point into the CPU cache.
+  void fetch(const Vec3& p) const {
+    const std::uint64_t key = spatial_key(spatial_cell(p, per_cell_));
+    __builtin_prefetch(&slots_[key & (slots_.size() - 1)]);
+  }
+
+  // False: no cell is shared.
+  bool may_be_shared() const { return may_be_shared_; }
+
+  // Points of a mesh, one array for each coordinate.
+  struct Points {
+    std::vector<double> x, y, z;
+
+    explicit Points(std::span<const Vec3> points_mesh);
+  };
+  // Maps the points to the frame of the cells, in metres.
+  struct Map {
+    Mat3 linear;
+    Vec3 translation;
+    Vec3 reach;  // the largest |coordinate| of the points before the map, by axis
+  };
+
+  // Replaces `near` by the numbers of all points that share_near() may find near added points, and
+  // of some others, in ascending order. Many times faster than share_near(). radius_m: less than
+  // half a cell.
+  void find_near(const Points& points, const Map& map, double radius_m,
+                 std::vector<std::uint32_t>& near) const;
 
   // Marks as shared all cells within radius_m of p that contain points of other owners. Returns
   // whether there are any such cells. radius_m: less than half a cell.
@@ -53,6 +89,7 @@ class SharedCells {
       slot |= kIsShared;
       is_any = true;
     });
+    may_be_shared_ = may_be_shared_ || is_any;
     return is_any;
   }
 
@@ -83,6 +120,25 @@ class SharedCells {
     return static_cast<std::uint32_t>(slot) >> 1;
   }
 
+  // Space is also divided into slices as thick as a cell, across a direction in which no mesh is
+  // regular. Two bits of one word mark a slice with points; other slices may share them (a Bloom
+  // filter in blocks: Putze, Sanders and Singler, 2007). Most points that are searched are in
+  // slices without a mark, and the marks need far less memory than the slots. The hash is Fibonacci
+  // hashing (Knuth, The Art of Computer Programming, 6.4).
+  struct Mark {
+    std::size_t word;
+    std::uint64_t bits;
+  };
+  static constexpr std::size_t kSlotsPerWord = 8;
+  static const Vec3 kAcross;  // a unit vector
+  double along(const Vec3& p) const { return kAcross.dot(p) * per_cell_; }
+  Mark mark_of(std::int64_t slice) const {
+    const std::uint64_t product = static_cast<std::uint64_t>(slice) * 0x9e3779b97f4a7c15u;
+    const std::uint64_t hash = (product ^ product >> 32) * 0xbf58476d1ce4e5b9u;
+    return {hash >> word_shift_,
+            std::uint64_t{1} << (hash >> 26 & 63u) | std::uint64_t{1} << (hash >> 20 & 63u)};
+  }
+  bool is_marked(const Mark& mark) const { return (mark.bits & ~marks_[mark.word]) == 0; }
   // At most two thirds of the slots are used, so that the runs of slots to probe are short.
   static std::size_t slot_count(std::size_t capacity) {
     std::size_t count = 16;
@@ -100,6 +156,9 @@ class SharedCells {
 
   double per_cell_;
   std::vector<std::uint64_t> slots_;  // its size is a power of two
+  std::vector<std::uint64_t> marks_;
+  bool may_be_shared_ = false;
+  int word_shift_;  // to the bits of a hash that number a word of marks_
 };
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 
 // An unbounded grid of cubic cells, each identified by a 64-bit key.
 
-#include <cmath>
 #include <cstdint>
 
 #include "geometry/base/types.h"
@@ -13,12 +12,16 @@ struct SpatialCell {
   std::int64_t x, y, z;
 };
 
+// The largest integer that is not above x. Unlike std::floor(), this needs no call of a function.
+inline std::int64_t whole_below(double x) {
+  const auto whole = static_cast<std::int64_t>(x);
+  return whole - (x < static_cast<double>(whole) ? 1 : 0);
+}
+
 // The cell that contains p. Requires coordinates below 2^62 cells.
 inline SpatialCell spatial_cell(const Vec3& p, double cells_per_m) {
-  const auto floor_of = [&](double x) {
-    return static_cast<std::int64_t>(std::floor(x * cells_per_m));
-  };
-  return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
+  return {whole_below(p.x() * cells_per_m), whole_below(p.y() * cells_per_m),
+          whole_below(p.z() * cells_per_m)};
 }
 
 // The key of a cell: SplitMix64's finaliser (S. Vigna, 2015) over the three coordinates. Two cells
