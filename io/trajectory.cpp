@@ -152,6 +152,10 @@ class TrajectoryReader {
     constexpr std::size_t kMostCommentBytes = TextLines::kMostBytes;
     comment_bytes_ += comment.size();
     if (comment_bytes_ > kMostCommentBytes) return std::nullopt;
+    if (const auto rate_Hz = rate_of_comment(comment)) {
+      trajectory_.stated_rate_Hz = rate_Hz;
+      trajectory_.stated_rate_line = line_number_;
+    }
     CommentReading reading = read_comment(comment);
     if (!reading.problem.empty()) {
       return error_here("is a comment that " + reading.problem,

@@ -20,6 +20,10 @@ struct Trajectory {
   std::vector<std::int64_t> times_ns;
   std::vector<std::size_t> lines;
   bool has_summed_times = false;  // a trace: each time is a sum of time steps in doubles
+  // The rate that a comment before the first position states, and the line of the comment. Nothing
+  // is done with it.
+  std::optional<double> stated_rate_Hz;
+  std::size_t stated_rate_line = 0;
   // What was converted, and what was not used: one line of text each.
   std::vector<std::string> notes;
 };

@@ -1,6 +1,7 @@
 #include "io/trajectory_columns.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -354,6 +355,32 @@ TrajectoryColumns columns_without_header(bool has_time) {
   columns.position = {first, first + 1, first + 2};
   if (has_time) columns.time = 0;
   return columns;
+}
+
+std::optional<double> rate_of_comment(std::string_view comment) {
+  static constexpr std::string_view kRateWords[] = {
+      "rate", "sampled", "sampling", "samplerate", "sample_rate", "frequency", "fs", "abtastrate"};
+  const std::vector<std::string_view> words = comment_words(comment);
+  bool has_rate_word = false;
+  bool has_hertz = false;  // also before the number: "rate (Hz): 500"
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    std::string word = folded_unit(words[i]);
+    while (word.starts_with('#')) word.erase(0, 1);
+    has_rate_word |= std::count(std::begin(kRateWords), std::end(kRateWords), word) > 0;
+    has_hertz |= word == "hz";
+    std::string_view number = word;
+    double factor = i + 1 < words.size() && folded_unit(words[i + 1]) == "khz" ? 1000.0 : 1.0;
+    const bool is_joined = number.size() > 2 && number.ends_with("hz");
+    if (is_joined) number.remove_suffix(2);
+    if (is_joined && number.ends_with('k')) number.remove_suffix(1), factor = 1000.0;
+    const bool is_hertz = is_joined || factor == 1000.0 || has_hertz || word == "fs" ||
+                          (i + 1 < words.size() && folded_unit(words[i + 1]) == "hz") ||
+                          (i > 0 && folded_unit(words[i - 1]) == "fs");
+    const Number value = parse_number(number);
+    if (!has_rate_word || !is_hertz || value.kind != NumberKind::kNumber) continue;
+    if (std::isfinite(value.value) && value.value > 0.0) return factor * value.value;
+  }
+  return std::nullopt;
 }
 
 CommentReading read_comment(std::string_view comment) {

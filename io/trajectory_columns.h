@@ -55,6 +55,8 @@ struct CommentReading {
   std::optional<TimeUnit> time;
   std::string problem;  // the comment states a unit that is not known
 };
+// The rate that a comment states, such as "sampled at 500 Hz", in Hz.
+std::optional<double> rate_of_comment(std::string_view comment);
 CommentReading read_comment(std::string_view comment);
 
 }  // namespace palpate

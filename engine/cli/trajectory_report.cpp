@@ -64,7 +64,17 @@ Result<PlayedPath> read_played_path(const std::string& file, std::optional<doubl
   path.file = file;
   path.notes = std::move(trajectory->notes);
   path.positions_m = std::move(trajectory->positions_m);
-  if (trajectory->times_ns.empty()) return path;
+  path.rate_Hz = 1.0 / single_s;
+  if (trajectory->times_ns.empty()) {
+    // Rates are printed with a few digits.
+    constexpr double kSameRate = 1e-3;
+    const double stated_Hz = trajectory->stated_rate_Hz.value_or(path.rate_Hz);
+    if (std::abs(stated_Hz - path.rate_Hz) > kSameRate * path.rate_Hz) {
+      path.other_rate_Hz = stated_Hz;
+      path.other_rate_line = trajectory->stated_rate_line;
+    }
+    return path;
+  }
   path.times = path_times(trajectory->times_ns);
   path.lines = std::move(trajectory->lines);
   if (!rate_Hz) {
@@ -102,7 +112,7 @@ std::string path_notes_text(const PlayedPath& path) {
 }
 
 nlohmann::ordered_json path_json(const PlayedPath& path) {
-  if (!path.times && path.notes.empty()) return nullptr;
+  if (!path.times && path.notes.empty() && !path.other_rate_Hz) return nullptr;
   nlohmann::ordered_json json = {{"notes", path.notes}, {"warnings", path_warnings(path)}};
   if (!path.times) return json;
   const PathTimes& times = *path.times;
@@ -120,6 +130,13 @@ nlohmann::ordered_json path_json(const PlayedPath& path) {
 
 std::vector<std::string> path_warnings(const PlayedPath& path) {
   std::vector<std::string> warnings;
+  if (path.other_rate_Hz) {
+    warnings.push_back(
+        printable(path.file) +
+        formatted(": line %zu, a comment, states %.6g Hz; the file has no times, and "
+                  "its ticks take the rate of --rate, %.6g Hz",
+                  path.other_rate_line, *path.other_rate_Hz, path.rate_Hz));
+  }
   if (!path.times || path.times->median_ns == 0) return warnings;
   if (!is_usual(path.times->median_rate_Hz())) warnings.push_back(rate_warning(path));
   if (path.times->gaps > 0) warnings.push_back(gap_warning(path));

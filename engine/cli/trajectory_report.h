@@ -23,6 +23,10 @@ struct PlayedPath {
   std::vector<std::size_t> lines;              // of the file's positions, if it has times
   std::optional<double> at_rate_Hz;            // interpolated at --rate
   std::size_t interpolated = 0;
+  // A rate that a comment of a file without times states, if the ticks have another one.
+  std::optional<double> other_rate_Hz;
+  std::size_t other_rate_line = 0;
+  double rate_Hz = 0.0;  // of the ticks of a file without times
 };
 
 // Reads a trajectory. rate_Hz: --rate, if the user gave it: the positions of a file with times are

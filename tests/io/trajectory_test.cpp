@@ -136,6 +136,8 @@ TEST_F(TrajectoryFile, ReadsTimesToTheNanosecond) {
       times_ns("0 0 0 0\n2.5e-9 0 0 0\n3.5e-9 0 0 0\n5.50000000000000000000000000000000001e-9 "
                "0 0 0\n"),
       (std::vector<std::int64_t>{0, 3, 4, 6}));
+  EXPECT_EQ(times_ns("-1.5000000000000000001e-9 0 0 0\n0 0 0 0\n"),
+            (std::vector<std::int64_t>{0, 2}));
   EXPECT_EQ(times_ns("1e-30 0 0 0\n1700000000.123456 0 0 0\n"),
             (std::vector<std::int64_t>{0, 1'700'000'000'123'456'000}));
 }
@@ -144,7 +146,7 @@ TEST_F(TrajectoryFile, ReadsTimesToTheNanosecond) {
 TEST_F(TrajectoryFile, ReadsSumsOfTimeSteps) {
   for (const double step_s : {0.001, 1.0 / 3000.0}) {
     std::string text;
-    double time_s = 170.0;
+    double time_s = 170.00000000048;  // the drift of the sum passes half a nanosecond
     constexpr int kRows = 20000;
     for (int n = 0; n < kRows; ++n, time_s += step_s) {
       std::array<char, 32> digits;
@@ -246,6 +248,19 @@ TEST_F(TrajectoryFile, ReadsUnitsInCommentsAndBelowNames) {
   expect_message("# x [px] y [px] z [px]\n1 2 3\n", "line 1: ", "\"px\"");
   expect_message("# units: parsec\n1 2 3\n", "line 1: ", "\"parsec\"");
   expect_message("# units: mm\nx [cm],y [cm],z [cm]\n1,2,3\n", "line 2: ", "other units");
+}
+
+TEST_F(TrajectoryFile, ReadsTheRateThatACommentStates) {
+  for (const char* comment :
+       {"# sampled at 500 Hz", "# rate: 0.5kHz", "# Sampling frequency (Hz): 500", "# fs = 500"}) {
+    const Trajectory read = trajectory(std::string("\n") + comment + "\n1 2 3\n");
+    EXPECT_EQ(read.stated_rate_Hz, 500.0) << comment;
+    EXPECT_EQ(read.stated_rate_line, 2u);
+  }
+  for (const char* comment :
+       {"# a filter of 50 Hz", "# rate of the pen", "# 500", "# rate: -5 Hz"}) {
+    EXPECT_FALSE(trajectory(std::string(comment) + "\n1 2 3\n").stated_rate_Hz) << comment;
+  }
 }
 
 TEST_F(TrajectoryFile, RefusesUnitsByName) {

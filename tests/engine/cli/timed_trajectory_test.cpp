@@ -373,6 +373,8 @@ TEST_F(TimedTrajectory, ReplaysATraceWithItsTimes) {
     path.positions_m.emplace_back(0.0, 0.0, kHalf_m - 0.00002 * static_cast<double>(n));
   }
   const std::string first = trace_of(scene, path.text(), {"--damping", "3"});
+  const double duration_s = 1e-9 * static_cast<double>(path.times_ns.back() - path.times_ns[0]);
+  EXPECT_NEAR(rows_of_trace(trace()).back().t_s, duration_s, 1e-12 * duration_s);
   const std::string file = folder.write("first.csv", trace());
   ASSERT_EQ(replay(scene, file, {"--damping", "3"}).exit_code, 0);
   EXPECT_TRUE(without_step_times(trace()) == first);
@@ -427,6 +429,9 @@ TEST_F(TimedTrajectory, TellsGapsAndRatesThatDevicesDoNotHave) {
             std::string::npos);
   EXPECT_NE(said("0 0 0 1\n0.033 0 0 1\n0.067 0 0 1\n").find("the median rate is 30.303 Hz"),
             std::string::npos);
+  const std::string stated = said("# sampled at 500 Hz\n0 0 1\n0 0 1\n");
+  EXPECT_NE(stated.find("line 1, a comment, states 500 Hz"), std::string::npos) << stated;
+  EXPECT_EQ(said("# sampled at 1 kHz\n0 0 1\n0 0 1\n"), "");
   EXPECT_NE(said("0 0 0 1\n2e-5 0 0 1\n4e-5 0 0 1\n").find("50000 Hz"), std::string::npos);
 }
 
