@@ -51,11 +51,11 @@ struct JournalEntry {
 std::optional<JournalEntry> entry_at(std::string_view text) {
   std::string_view rest = text;
   const auto trial = take_number(rest, "trial ");
-  const auto length = trial ? take_number(rest, ", ") : std::nullopt;
+  if (!trial) return std::nullopt;
+  const auto length = take_number(rest, ", ");
+  if (!length) return std::nullopt;
   const std::size_t line = text.find('\n');
-  if (!length || line == std::string_view::npos || text.size() - line - 1 < *length) {
-    return std::nullopt;
-  }
+  if (line == std::string_view::npos || text.size() - line - 1 < *length) return std::nullopt;
   const std::string_view rows = text.substr(line + 1, *length);
   if (text.substr(0, line + 1) != line_of_trial(*trial, rows)) return std::nullopt;
   return JournalEntry{*trial, rows, line + 1 + rows.size()};

@@ -102,9 +102,9 @@ Result<OutputLock> OutputLock::take(const std::string& folder, FolderUse use) {
 }
 
 bool OutputLock::is_at(const std::string& folder) const {
+  if (!held_) return true;
   struct stat there = {};
-  return !held_ ||
-         ::stat(folder.c_str(), &there) == 0 && held_->id == FolderId(there.st_dev, there.st_ino);
+  return ::stat(folder.c_str(), &there) == 0 && held_->id == FolderId(there.st_dev, there.st_ino);
 }
 
 std::vector<std::string> unlocked_folders() {

@@ -111,6 +111,9 @@ def check_folders(palpate, models, place):
     """Files in a folder of results that are inputs: through links, or because the input has that name."""
     trials = "out/trials.csv"
     source = Case(palpate, models, place)
+    larger = {**PLAN, "participants": 3, "blocks": 2, "limit_s": 120, "haptic": ["NoH", "UaH", "H"],
+              "rotation": ["NoR", "R"], "objects": {"O1": {"file": "own.glb", "scale": 0.5}}}
+    source.write("plan.json", json.dumps(larger).encode())
     source.expect_done("experiment", "run", "plan.json", "--out", "out")
     trials = (source.folder / trials).read_bytes()
     for link in (os.symlink, os.link):
@@ -156,6 +159,12 @@ def check_streams(palpate, models, place):
         check(case.contents() == before, f"{name} has changed")
 
 
+def columns_and_ticks(trace):
+    """What two traces of one path have in common; their computing times differ."""
+    lines = trace.splitlines()
+    return [lines[0]] + [line.split(b",")[0] for line in lines[1:]]
+
+
 def check_allowed(palpate, models, place):
     """What is no input may be written, as before."""
     case = Case(palpate, models, place)
@@ -165,15 +174,15 @@ def check_allowed(palpate, models, place):
     shutil.copy(case.folder / "way.txt", case.folder / "copy.txt")
     for name in ("trace.csv", "trace.csv", "chain", "copy.txt", "/dev/null"):
         case.expect_done(*replay, name)
-    trace = (case.folder / "trace.csv").read_bytes()
-    check((case.folder / "new.csv").read_bytes() == trace, "a dangling link is not followed")
+    trace = columns_and_ticks((case.folder / "trace.csv").read_bytes())
+    check(columns_and_ticks((case.folder / "new.csv").read_bytes()) == trace, "a dangling link")
     check((case.folder / "chain").is_symlink() and (case.folder / "dangling").is_symlink(), "links")
-    check((case.folder / "copy.txt").read_bytes() == trace, "an older file is not replaced")
+    check(columns_and_ticks((case.folder / "copy.txt").read_bytes()) == trace, "an older file")
     os.mkfifo(case.folder / "pipe")
     with subprocess.Popen(["cat", "pipe"], cwd=case.folder, stdout=subprocess.PIPE) as reader:
         case.expect_done(*replay, "pipe")
-        check(reader.stdout.read() == trace, "the pipe lacks the trace")
-    check(case.call(*replay, "/dev/stdout").stdout.startswith(trace.decode()), "/dev/stdout")
+        check(columns_and_ticks(reader.stdout.read()) == trace, "the pipe lacks the trace")
+    check(case.call(*replay, "/dev/stdout").stdout.startswith(trace[0].decode()), "/dev/stdout")
     os.symlink("loop", case.folder / "loop")
     done = case.call(*replay, "loop")
     check(done.returncode == 2 and "loop: cannot be written" in done.stderr, done.stderr)

@@ -29,6 +29,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/experiment/participant_run.h"
+#include "engine/experiment/trial_journal.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/experiment/unit_part.h"
 #include "geometry/base/random.h"
