@@ -20,10 +20,12 @@ std::string_view view_of(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
+using Values = std::vector<std::string_view>;
+
 // field: a number or a name of a header.
 template <typename Name>
-std::vector<std::string_view> all_of(const http::request<http::empty_body>& request, Name field) {
-  std::vector<std::string_view> values;
+Values all_of(const http::request<http::empty_body>& request, Name field) {
+  Values values;
   const auto [begin, end] = request.equal_range(field);
   for (auto at = begin; at != end; ++at) values.push_back(view_of(at->value()));
   return values;
@@ -37,6 +39,7 @@ HttpHead head_of(const http::request<http::empty_body>& request) {
   head.origins = all_of(request, http::field::origin);
   head.authorizations = all_of(request, http::field::authorization);
   head.tokens = all_of(request, beast::string_view(kTokenHeader.data(), kTokenHeader.size()));
+  head.is_same_origin = all_of(request, "Sec-Fetch-Site") == Values{"same-origin"};
   head.upgrades = request.find(http::field::upgrade) != request.end();
   return head;
 }

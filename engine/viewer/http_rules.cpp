@@ -68,15 +68,15 @@ HttpVerdict judge(const HttpHead& head, const Token& token, const AllowedNames& 
   if (kind == HostKind::kForeign) {
     return refused(403, "the Host is not a loopback name (--allow-host permits others)");
   }
-  if (!is_own_page(head, *host, kind, allowed)) {
-    return refused(403, "the Origin is not this server (--allow-origin permits that of a proxy)");
-  }
-  const bool is_get = head.method == "GET";
-  if (!is_get && (head.method != "HEAD" || head.upgrades)) {
-    return refused(405, "only GET and HEAD are answered");
-  }
   const auto found = std::find_if(kTargets.begin(), kTargets.end(),
                                   [&](const auto& t) { return t.first == head.target; });
+  const bool is_get = head.method == "GET" || (head.method == "HEAD" && !head.upgrades);
+  const bool is_public = found != kTargets.end() && is_get && !head.upgrades &&
+                         found->second != Resource::kLive && !is_secret(found->second);
+  if (!is_own_page(head, *host, kind, allowed) && !(is_public && head.is_same_origin)) {
+    return refused(403, "the Origin is not this server (--allow-origin permits that of a proxy)");
+  }
+  if (!is_get) return refused(405, "only GET and HEAD are answered");
   if (found == kTargets.end()) return refused(404, "nothing has this name");
   const Resource resource = found->second;
   if (resource == Resource::kLive && !head.upgrades) {

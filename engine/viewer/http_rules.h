@@ -31,6 +31,7 @@ struct HttpHead {
   std::vector<std::string_view> authorizations;
   std::vector<std::string_view> tokens;  // Palpate-Token
   bool upgrades = false;                 // a WebSocket handshake
+  bool is_same_origin = false;           // the browser says so: Sec-Fetch-Site
 };
 
 // Under which names a browser may reach the server, besides localhost, 127.0.0.1 and [::1].
@@ -58,8 +59,9 @@ inline constexpr std::string_view kTokenHeader = "Palpate-Token";
 //   foreign name that resolves to this machine. Otherwise 403.
 // - The Origin must be one of allowed.origins, or http:// and that Host unless only allowed.origins
 //   names it; only a plain request may lack it. Otherwise 403: the request comes from a foreign
-//   page. What a proxy adds (Forwarded, X-Forwarded-Host) counts for nothing, because anybody can
-//   send it.
+//   page. The files of the page are also given to a page that the browser calls same-origin: behind
+//   a proxy that nobody has named, the page then says so. What a proxy adds (Forwarded,
+//   X-Forwarded-Host) counts for nothing, because anybody can send it.
 // - Only GET and HEAD (405), and only the seven names (404).
 // - The scene requires the token in kTokenHeader or as `Authorization: Bearer` (401). /live
 //   requires a handshake (426), which is a GET; its token is the first message.

@@ -167,8 +167,8 @@ export class Connection {
       this.events.changed("new address");
       return;
     }
-    this.events.changed(code === kTooManyPages ? "full" : "lost");
-    if (!wasOpen && await isRefused()) this.events.changed("refused");
+    const isOurOrigin = wasOpen || !(await isRefused());
+    this.events.changed(!isOurOrigin ? "refused" : code === kTooManyPages ? "full" : "lost");
     setTimeout(() => this.open(), this.delay_ms);
     this.delay_ms = Math.min(2 * this.delay_ms, kLongestDelay_ms);
   }

@@ -105,7 +105,8 @@ TEST(ViewCommand, ServesUntilCtrlC) {
   test::WebSocketClient page(port);
   page.send_text(R"({"type":"token","token":")" + token + "\"}");
   page.read_text_with("\"hello\"");
-  const Outcome taken = run_program(folder, {"view", kViewedStar, "--port", std::to_string(port)});
+  const TemporaryFolder other;  // whose output does not overwrite that of the first program
+  const Outcome taken = run_program(other, {"view", kViewedStar, "--port", std::to_string(port)});
   EXPECT_EQ(taken.exit_code, 2);
   EXPECT_EQ(taken.err, "palpate: --port: is " + std::to_string(port) +
                            ", which is taken; expected a free port (choose another one, or 0 for "

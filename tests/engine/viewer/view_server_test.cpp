@@ -338,6 +338,29 @@ TEST(ViewServer, AcceptsTheOriginOfAProxyThatIsNamed) {
   expect_served(served);
 }
 
+// Behind a proxy that nobody has named, the page comes as far as to say so, and no further.
+TEST(ViewServer, GivesOnlyItsFilesToAPageOfAnUnnamedProxy) {
+  const ServedModel served;
+  const std::string origin = "Origin: https://lab.example\r\n";
+  const std::string same = origin + "Sec-Fetch-Site: same-origin\r\n";
+  const auto status = [&](const std::string& target, const std::string& more) {
+    return status_of(answer_to(served.port, get_request(target, served.host, more)));
+  };
+  EXPECT_EQ(status("/page.js", same), 200);
+  EXPECT_EQ(status("/page.js", origin), 403);
+  EXPECT_EQ(status("/page.js", origin + "Sec-Fetch-Site: same-site\r\n"), 403);
+  EXPECT_EQ(status("/page.js", same + "Sec-Fetch-Site: same-origin\r\n"), 403);
+  EXPECT_EQ(status("/felt.glb", same + "Palpate-Token: " + served.token + "\r\n"), 403);
+  EXPECT_EQ(status("/live", same), 403);
+  EXPECT_EQ(status_of(answer_to(served.port, "POST /page.js HTTP/1.1\r\nHost: " + served.host +
+                                                 "\r\n" + same + "\r\n")),
+            403);
+  std::string handshake = WebSocketClient::handshake(served.host, "https://lab.example");
+  handshake.insert(handshake.size() - 2, "Sec-Fetch-Site: same-origin\r\n");
+  EXPECT_EQ(status_of(answer_to(served.port, handshake)), 403);
+  EXPECT_EQ(status_of(answer_to(served.port, get_request("/page.js", "evil.example", same))), 403);
+}
+
 // A proxy that asks for a password uses Authorization for it.
 TEST(ViewServer, TakesTheTokenBesideAPassword) {
   const ServedModel served;
