@@ -129,13 +129,17 @@ def quoted(text):
     return "".join(c if re.match(r"[A-Za-z0-9.~_-]", c) else f"%{ord(c):02X}" for c in text)
 
 
+def ask_ninja(ninja, build, *tool):
+    """The lines of one of ninja's tools. -n: the ninja that runs this script is writing its log."""
+    return run(ninja, "-C", build, "--quiet", "-n", "-t", *tool).splitlines()
+
+
 def compiled_files(ninja, build, program):
     """The system's headers that the objects of the program include, and the static libraries in it."""
-    quiet = (ninja, "-C", build, "--quiet", "-n", "-t")  # -n: another ninja may be writing the log
-    inputs = set(run(*quiet, "inputs", program).splitlines())
+    inputs = set(ask_ninja(ninja, build, "inputs", program))
     files = {i for i in inputs if i.startswith("/") and i.endswith(".a")}
     ours = False
-    for line in run(*quiet, "deps").splitlines():
+    for line in ask_ninja(ninja, build, "deps"):
         if line and not line[0].isspace():
             ours = line.split(":", 1)[0] in inputs
         elif ours and line.startswith("    /"):
@@ -156,20 +160,19 @@ def loaded_libraries(program):
     return {name or os.path.basename(path): path for name, path in listed}
 
 
-def page_packages(project, build):
-    """The npm packages of which esbuild has put files into the page; none without the page."""
-    bundled = build / "page_inputs.json"
-    if not (build / "page/page.js").exists() or not bundled.exists():
+def page_packages(project, build, ninja):
+    """The npm packages of which esbuild has put files into the page; none if the program has no page."""
+    if "page/page.js" not in ask_ninja(ninja, build, "inputs", PROGRAMS[0]):
         return []
     lock = json.loads((project / "engine/viewer/page/package-lock.json").read_text(encoding="utf-8"))
     packages = []
-    inputs = json.loads(bundled.read_text(encoding="utf-8"))["inputs"]
-    found = {m[1] for m in (re.search(r".*node_modules/((?:@[^/]+/)?[^/]+)/", i) for i in inputs) if m}
-    for name in sorted(found):
-        entry = lock["packages"][f"node_modules/{name}"]
+    inputs = json.loads((build / "page_inputs.json").read_text(encoding="utf-8"))["inputs"]
+    folder = re.compile(r"(?:^|/)(node_modules/(?:.*/node_modules/)?((?:@[^/]+/)?[^/]+))/")
+    for place, name in sorted({m.groups() for m in map(folder.search, inputs) if m}):
+        entry = lock["packages"][place]
         packages.append(Package(name, entry["version"], name,
                                 f"pkg:npm/{name.replace('@', '%40')}@{entry['version']}",
-                                str(build / "page_build/node_modules" / name / "LICENSE"),
+                                str(build / "page_build" / place / "LICENSE"),
                                 entry["integrity"]))
     return packages
 
@@ -310,7 +313,7 @@ def describe(arguments):
         document.relate("SPDXRef-DOCUMENT", "DESCRIBES", identifier)
         packages |= add_program(document, debian, program, arguments.ninja, build, identifier)
     document.relate("SPDXRef-palpate", "DEPENDS_ON", "SPDXRef-palpate-guard")
-    bundled = page_packages(project, build)
+    bundled = page_packages(project, build, arguments.ninja)
     if bundled:
         page = document.add_own("palpate-page", arguments.version, "APPLICATION")
         document.relate("SPDXRef-palpate", "CONTAINS", page)
