@@ -2,6 +2,7 @@
 
 // The names of the columns of a table of positions, with their units.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>

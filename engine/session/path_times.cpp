@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kNanosecondsInSecond = 1e9;
 
 std::vector<std::int64_t> intervals_of(std::span<const std::int64_t> times_ns) {
   std::vector<std::int64_t> intervals_ns;
@@ -62,7 +62,7 @@ std::vector<double> tick_lengths_s(std::span<const std::int64_t> times_ns, doubl
   std::vector<double> lengths_s;
   lengths_s.reserve(times_ns.size());
   const auto add = [&](std::int64_t length_ns) {
-    lengths_s.push_back(static_cast<double>(length_ns) / kNanosecondsPerSecond);
+    lengths_s.push_back(static_cast<double>(length_ns) / kNanosecondsInSecond);
   };
   add(lower_median(intervals_ns));
   for (const std::int64_t interval_ns : intervals_ns) add(interval_ns);
@@ -72,7 +72,7 @@ std::vector<double> tick_lengths_s(std::span<const std::int64_t> times_ns, doubl
 Result<RatePath> path_at_rate(std::span<const Vec3> positions_m,
                               std::span<const std::int64_t> times_ns, double rate_Hz,
                               bool are_summed) {
-  const double period_ns = kNanosecondsPerSecond / rate_Hz;
+  const double period_ns = kNanosecondsInSecond / rate_Hz;
   const auto last_ns = static_cast<double>(times_ns.back());
   const double last_same_ns =
       kSameTime_ns + (are_summed ? sum_rounding_ns(last_ns / period_ns, period_ns) : 0.0);
