@@ -82,6 +82,12 @@ Result<CompareOutcome> run_comparison(const CompareSettings& settings,
     plans.push_back(std::move(*plan));
   }
   CompareOutcome outcome;
+  // A folder that does not exist has no other command. A comparison that is refused leaves none.
+  if (fs::is_directory(folder)) {
+    auto lock = OutputLock::take(folder, run.shard ? FolderUse::kShared : FolderUse::kAlone);
+    if (!lock) return lock.error();
+    outcome.lock = std::move(*lock);
+  }
   double share_before = 0.0;
   double found_before = 0.0;
   for (const CompareHands hands : hands_of(settings)) {

@@ -25,6 +25,7 @@ struct CompareOutcome {
   std::vector<ExperimentRunOutcome> runs;
   // One for each following, in the order of the plan; empty: a shard, or stopped.
   std::vector<FollowingComparison> followings;
+  OutputLock lock;  // of the folder: the caller may write the report there
 };
 
 // Runs the plans as run_experiment() does, writes them, and compares the strategies. run:

@@ -349,8 +349,9 @@ TEST_F(ExperimentCommandTest, EveryCommandIsRefusedInAFolderThatAnotherOneHas) {
     expect_refused(more, {"out: ", "--out", "is in use", "choose another folder"});
   }
   const std::string star = PALPATE_MODELS_DIR "/star.glb";
-  for (const Arguments& arguments : {Arguments{"run", star, "--virtual"}, Arguments{"soak", star},
-                                     Arguments{"accuracy", "--quick", "--knob", "a4_step"}}) {
+  for (const Arguments& arguments :
+       {Arguments{"run", star, "--virtual"}, Arguments{"soak", star}, Arguments{"compare", star},
+        Arguments{"accuracy", "--quick", "--knob", "a4_step"}}) {
     Arguments more = arguments;
     more.insert(more.end(), {"--out", "out"});
     const Outcome o = run_program(folder, more);
