@@ -19,6 +19,7 @@
 #include "engine/cli/report.h"
 #include "engine/cli/run_options.h"
 #include "engine/cli/scene_options.h"
+#include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/recording/recording_reader.h"
 #include "engine/session/replay.h"
@@ -145,13 +146,19 @@ int ReplayCommand::run(const std::vector<std::string>&) {
       return refuse(*error);
     }
   }
+  const auto enclosing =
+      result->records.empty() ? std::nullopt : object_around(*scene, result->records.front());
+  std::vector<std::string> warnings = not_understood_lines(*scene);
+  if (enclosing) warnings.push_back(simulated_start_line(*scene, enclosing));
   if (json_) {
-    print(summary_json(result->summary, *scene));
+    auto json = summary_json(result->summary, *scene);
+    json["starts_inside"] = node_json(*scene, enclosing);
+    print(json);
   } else {
     std::cout << scene_.path << ", " << trajectory_ << "\n"
               << summary_text(result->summary, *scene);
   }
-  return exit_code_after_signals(finish_output(not_understood_lines(*scene)));
+  return exit_code_after_signals(finish_output(warnings));
 }
 
 }  // namespace

@@ -46,7 +46,9 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   if (wants_rearm_.load(std::memory_order_relaxed)) take_rearm();
   take_motors();
   const LoopChanges changes(loop_, parts_.sink);
+  const bool was_free = loop_.is_hand_free();
   for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, changes);
+  if (was_free && !loop_.is_hand_free()) governor_->restart();
   if (is_time_step(dt_s)) time_s_ += dt_s;
   if (!sample.is_valid) loop_.refuse_sample();
   const auto start = std::chrono::steady_clock::now();
