@@ -357,7 +357,8 @@ RecordingResult Recorder::finish(const std::string& why) {
   RecordingResult result;
   result.path = state.path;
   result.ticks = state.pending.committed_ticks();
-  result.dropped = dropped();
+  // What came after a failure was not dropped: the recording had ended.
+  result.dropped = state.error ? state.pending.end_tick() - result.ticks : dropped();
   if (!state.error) {
     state.fail(state.file.add_ending(static_cast<std::int64_t>(result.ticks),
                                      static_cast<std::int64_t>(result.dropped), why));
