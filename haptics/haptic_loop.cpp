@@ -146,6 +146,50 @@ void HapticLoop::set_a4(bool enabled) noexcept {
   theoretical_rotation_.reset();
 }
 
+void HapticLoop::free_hand() noexcept {
+  if (!held_step_) held_step_ = std::exchange(step_, &HapticLoop::step_freely);
+  has_proxy_ = false;
+}
+
+// Strategies and effects begin as in a first tick.
+void HapticLoop::hold_hand() noexcept {
+  if (!held_step_) return;
+  step_ = std::exchange(held_step_, nullptr);
+  last_was_good_ = false;
+  end_contact_force();
+  if (effects_) effects_->reset_states();
+}
+
+// Action 2, and the proxy without contact. A body that would crush the proxy moves all the same,
+// because in the next tick the proxy is put at the device point again.
+void HapticLoop::step_freely(double /*dt_s*/) {
+  apply_user_motion();
+  const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));
+  if (has_proxy_) {
+    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
+    const bool is_stopped =
+        proxy_state_.in_contact || proxy_state_.capped || (record_.faults & kFaultBodyHeld) != 0;
+    if (is_stopped) has_proxy_ = false;
+  } else {
+    god_object_.place(goal_solver, motion_plane_normal());
+    ++free_tracks_;
+    has_proxy_ = true;
+  }
+  record_.iterations = has_proxy_ ? static_cast<std::uint32_t>(proxy_state_.iterations) : 0;
+  proxy_state_ = {};
+  proxy_state_.proxy = goal_solver;
+  view(record_.proxy_scene_m) = view(record_.goal_scene_m);
+  view(record_.normal_scene).setZero();
+  record_.contact = 0;
+  record_.alpha_rad = 0.0;
+  record_.rotation_rad = 0.0;
+  record_.effects = 0;
+  record_.faults &= ~static_cast<std::uint32_t>(kFaultBodyHeld);
+  set_zero_force();
+  end_contact_force();
+  theoretical_rotation_.reset();
+}
+
 void HapticLoop::set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept {
   settings_.coupling.stiffness_N_per_m = stiffness_N_per_m;
   settings_.coupling.damping_Ns_per_m = damping_Ns_per_m;

@@ -122,6 +122,24 @@ class HapticLoop {
   }
   void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
 
+  // Frees the hand from the next good tick on: the loop gives no force, the scene does not turn,
+  // and surfaces do not stop the hand. The proxy is put at the device point and follows it.
+  // Whenever something stops it, it is put at the device point again, so that free_track() changes.
+  // While free_track() stays, the proxy has crossed no surface, also none of a moving body. A call
+  // while the hand is free puts the proxy at the device point again. Call on the haptic thread.
+  void free_hand() noexcept;
+  // The next tick touches surfaces again. The proxy is where the hand was in the last tick. Call on
+  // the haptic thread.
+  void hold_hand() noexcept;
+  bool is_hand_free() const noexcept { return held_step_ != nullptr; }
+  // The number of the free way that the proxy is on, from 1 on; 0: it is put somewhere in the next
+  // tick. Call on the haptic thread while the hand is free.
+  std::uint64_t free_track() const noexcept { return has_proxy_ ? free_tracks_ : 0; }
+  // The place of the proxy, solver frame, and the bodies at their present poses. Call on the haptic
+  // thread.
+  const Vec3& proxy_solver() const noexcept { return god_object_.proxy(); }
+  const LiveWorld& live_world() const noexcept { return god_object_.world(); }
+
   // The present settings, with what the functions above have changed, and the present motors. Call
   // on the haptic thread.
   const HapticSettings& settings() const noexcept { return settings_; }
@@ -156,6 +174,7 @@ class HapticLoop {
   static Step step_with_effects(std::uint32_t needs);
   // Replaces the step by that of the strategy: haptic_loop_strategies.cpp.
   void use_strategy();
+  void step_freely(double dt_s);
   void step_anticipating(double dt_s);
   void step_following(double dt_s);
   void anticipate(double dt_s);
@@ -217,7 +236,9 @@ class HapticLoop {
   double world_extent_m_;  // argument of farthest_sample_m()
 
   Step step_;
-  Step step_without_effects_;              // actions 3 to 6 where no effect is near
+  Step step_without_effects_;  // actions 3 to 6 where no effect is near
+  Step held_step_ = nullptr;   // the step of a hand that is not free, while it is free
+  std::uint64_t free_tracks_ = 0;
   std::unique_ptr<EffectRunner> effects_;  // null in a world without effects
   struct StrategyState;
   std::unique_ptr<StrategyState> strategy_;  // null without HapticSettings::strategy

@@ -139,6 +139,12 @@ class SafetyGovernor {
   // trip stays. Two calls in a row are as one.
   void pause() noexcept;
 
+  // The force begins again, after ticks that had none by design: the rule *start* (M) begins in the
+  // next tick. A trip stays. Call it before begin_tick() or between it and govern().
+  void restart() noexcept {
+    if (moves_motors_ && !is_tripped()) begin_start();
+  }
+
   // Ends a trip: the rule *start* begins in the next tick. Does nothing if there is no trip.
   void rearm() noexcept { rearm_.store(true, std::memory_order_release); }
 

@@ -138,10 +138,14 @@ Result<ChosenCoupling> coupling_with(const AdviceInput& input, double rate_Hz,
   const double factor = relief_factor(input);
   ChosenCoupling found{input.coupling.stiffness_N_per_m, damping_Ns_per_m, *limits, false};
   // Passive walls are stable.
-  found.is_passive = limits->passive_N_per_m > 0.0;
-  const double most =
-      (found.is_passive ? limits->passive_N_per_m : kStablePart * limits->stable_N_per_m) / factor;
-  if (found.stiffness_N_per_m > most) found.stiffness_N_per_m = rounded_down(most);
+  found.is_passive = limits->allows_passive_walls();
+  const double effective_N_per_m = factor * found.stiffness_N_per_m;
+  const double half_stable_N_per_m = kStablePart * limits->stable_N_per_m;
+  const bool is_allowed = found.is_passive ? limits->is_passive(effective_N_per_m)
+                                           : effective_N_per_m <= half_stable_N_per_m;
+  if (is_allowed) return found;
+  const double most = found.is_passive ? limits->passive_N_per_m : half_stable_N_per_m;
+  found.stiffness_N_per_m = rounded_down(most / factor);
   return found;
 }
 

@@ -12,6 +12,7 @@
 #include "engine/devices/vector_device.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/session/replay.h"
+#include "engine/session/start_inside.h"
 #include "engine/simulation/exploration.h"
 #include "haptics/record_vectors.h"
 
@@ -241,6 +242,11 @@ std::optional<Error> find_kept_rate(const Scene& scene, const RunSetup& setup, c
   return std::nullopt;
 }
 
+std::string start_note(const Scene& scene, const TickRecord& first) {
+  const auto object = enclosing_object(scene, vec3(first.goal_scene_m));
+  return object ? felt_inside_text(scene, *object) : std::string();
+}
+
 }  // namespace
 
 Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
@@ -264,6 +270,8 @@ Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
       if (r.contact) depths_m.push_back((vec3(r.proxy_scene_m) - vec3(r.goal_scene_m)).norm());
     }
     ticks += hand->exact.size();
+    if (h == 0 && !hand->exact.empty())
+      measured.start_note = start_note(scene, hand->exact.front());
     hands.push_back(std::move(*hand));
   }
   if (contact_ticks == 0) {

@@ -72,6 +72,9 @@ struct SceneAccuracy {
   double deepest_m = 0.0;  // lag that one tick in a hundred exceeds, under the preset `exact`
   double floor_m = 0.0;    // errors below it are meaningless: file_floor_m() of the scene
   KeptRate kept_rate;
+  // A sentence if a hand begins inside a closed surface, which it then feels from inside; else
+  // empty.
+  std::string start_note;
 };
 
 // Simulated hands explore the scene with the settings of `setup` and the preset `exact`, and their

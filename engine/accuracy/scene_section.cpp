@@ -1,6 +1,9 @@
 #include "engine/accuracy/scene_section.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
@@ -20,6 +23,35 @@ std::string shown(double value, const char* unit) {
 std::string shown(const Spread& spread, const char* unit) {
   return shown(spread.median, unit) + "<br><span class=\"spread\">[" + shown(spread.low, unit) +
          ", " + shown(spread.high, unit) + "]</span>";
+}
+
+std::string digits_text(double value, int digits) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
+  return text.data();
+}
+
+// A stiffness and its limit, rounded so that the texts are in the same order as the numbers.
+struct ComparedTexts {
+  std::string stiffness;
+  std::string limit;
+};
+ComparedTexts compared_texts(double stiffness_N_per_m, double limit_N_per_m, bool is_within) {
+  constexpr int kDigits = 3, kMostDigits = 15;
+  const auto rounded = [](double value, int digits) {
+    return std::strtod(digits_text(value, digits).c_str(), nullptr);
+  };
+  for (int digits = kDigits; digits <= kMostDigits; ++digits) {
+    const double stiffness = rounded(stiffness_N_per_m, digits);
+    const double limit = rounded(limit_N_per_m, digits);
+    if ((stiffness <= limit) != is_within) continue;
+    if (digits == kDigits) return {human(stiffness, "N/m"), human(limit, "N/m")};
+    return {digits_text(stiffness, digits) + " N/m", digits_text(limit, digits) + " N/m"};
+  }
+  return {human(stiffness_N_per_m, "N/m"), human(limit_N_per_m, "N/m")};
+}
+ComparedTexts passivity_texts(const CouplingVerdict& v) {
+  return compared_texts(v.effective_N_per_m, v.limits.passive_N_per_m, v.is_passive);
 }
 
 // An error, or the floor if the error is below it.
@@ -47,10 +79,15 @@ std::string presets_html(const SceneAccuracy& measured) {
                short_number(p.iterations), std::to_string(p.capped_ticks)});
   }
   std::ostringstream html;
-  html << "<h3>Presets</h3>\n<p>" << measured.hands << " simulated hands wander over the scene for "
+  html << "<h3>Presets</h3>\n";
+  if (!measured.start_note.empty()) {
+    html << "<p class=\"note\">" << html_escaped(measured.start_note) << ".</p>\n";
+  }
+  html << "<p>" << measured.hands << " simulated hands wander over the scene for "
        << measured.seconds << " s each and touch it " << percent(measured.contact_share)
        << " of the time. Each preset replays their paths " << measured.repeats
-       << " times. Times are those of ticks in contact: the median over the replays, with the "
+       << " times, in simulated time. Times are computing times of this machine for ticks in "
+          "contact: the median over the replays, with the "
           "quartiles in brackets. Errors are distances to the proxy of <em>exact</em> in the same "
           "tick; the rounding of the file's coordinates hides errors below "
        << shown(measured.floor_m, "m") << ". In capped ticks the solver exhausted its steps.</p>\n"
@@ -108,10 +145,10 @@ std::string stiffness_html(const SceneFindings& f) {
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
     table.row({html_escaped(v.surface.name), flag(v.is_passive, "passive", "not passive"),
-               flag(v.is_stable, "stable", "not stable"), shown(v.effective_N_per_m, "N/m"),
-               shown(v.limits.passive_N_per_m, "N/m"), name_of(v.limits.passivity_bound),
-               shown(v.limits.stable_N_per_m, "N/m"), shown(c.stiffness_N_per_m, "N/m"),
-               shown(c.damping_Ns_per_m, "N s/m")});
+               flag(v.is_stable, "stable", "not stable"),
+               html_escaped(passivity_texts(v).stiffness), html_escaped(passivity_texts(v).limit),
+               name_of(v.limits.passivity_bound), shown(v.limits.stable_N_per_m, "N/m"),
+               shown(c.stiffness_N_per_m, "N/m"), shown(c.damping_Ns_per_m, "N s/m")});
   }
   html << "<p>At " << shown(f.rate_Hz, "Hz") << ":</p>\n" << table.html();
   HtmlTable rates({"servo rate", "passive up to", "stable below"});
@@ -199,6 +236,8 @@ std::string scene_csv(const SceneFindings& f) {
 std::string scene_text(const SceneFindings& f) {
   std::ostringstream text;
   text << printable(f.path) << "\n";
+  if (!f.measured.start_note.empty()) text << "  " << f.measured.start_note << "\n";
+  text << "  computing times of this machine for ticks in contact, in simulated time:\n";
   for (const PresetOnScene& p : f.measured.presets) {
     text << "  " << p.name << std::string(10 - p.name.size(), ' ') << "tick "
          << human(p.p50_ns.median, "ns") << " / 99 % " << human(p.p99_ns.median, "ns")
@@ -211,13 +250,14 @@ std::string scene_text(const SceneFindings& f) {
        << (rate_Hz > 0.0 ? human(rate_Hz, "Hz") : "none of the rates tried") << "\n";
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
-    text << "  " << printable(v.surface.name) << ": K " << human(v.effective_N_per_m, "N/m")
+    const ComparedTexts texts = passivity_texts(v);
+    text << "  " << printable(v.surface.name) << ": K " << texts.stiffness
          << (v.surface.relief_per_m > 0.0 ? " on its relief" : "") << ", "
          << (v.is_passive ? "passive" : "not passive");
     if (v.limits.passivity_bound == PassivityBound::kDamper) {
       text << " at any K with its damper of " << human(c.damping_Ns_per_m, "N s/m") << ", ";
     } else {
-      text << " (passive up to " << human(v.limits.passive_N_per_m, "N/m") << "), ";
+      text << " (passive up to " << texts.limit << "), ";
     }
     text << (v.is_stable ? "stable" : "not stable") << " (stable below "
          << human(v.limits.stable_N_per_m, "N/m") << ")\n";

@@ -13,6 +13,7 @@
 #include "engine/cli/report.h"
 #include "engine/cli/setting_texts.h"
 #include "engine/cli/strategy_option.h"
+#include "engine/recording/recorder.h"
 #include "engine/recording/recording_replay.h"
 #include "geometry/base/printable.h"
 
@@ -90,6 +91,9 @@ std::string proof_text(const ReplayOutcome& outcome) {
   }
   if (outcome.stopped) text << "replay stops: " << *outcome.stopped << "\n";
   if (!outcome.ending) text << "the recording has no ending: its process died\n";
+  if (outcome.ending && outcome.ending->why == kDiskFull) {
+    text << "the recording ended before its session: " << kDiskFull << "\n";
+  }
   return text.str();
 }
 
@@ -125,6 +129,10 @@ std::string four_digits(double number) {
   return text;
 }
 
+std::string digits_or_dash(const RunSummary& s, double number) {
+  return s.has_contact() ? four_digits(number) : "-";
+}
+
 std::uint64_t fault_count(const RunSummary& s) {
   std::uint64_t count = 0;
   for (const std::uint64_t ticks : s.faults) count += ticks;
@@ -136,13 +144,13 @@ constexpr SummaryRow kSummaryRows[] = {
     {"ticks in contact", [](const RunSummary& s) { return std::to_string(s.contact_ticks); }},
     {"losses of contact", [](const RunSummary& s) { return std::to_string(s.losses_of_contact); }},
     {"mean penetration, mm",
-     [](const RunSummary& s) { return four_digits(1e3 * s.mean_penetration_m); }},
+     [](const RunSummary& s) { return digits_or_dash(s, 1e3 * s.mean_penetration_m); }},
     {"largest penetration, mm",
-     [](const RunSummary& s) { return four_digits(1e3 * s.max_penetration_m); }},
+     [](const RunSummary& s) { return digits_or_dash(s, 1e3 * s.max_penetration_m); }},
     {"mean contact angle, deg",
-     [](const RunSummary& s) { return four_digits(s.mean_contact_angle_deg); }},
+     [](const RunSummary& s) { return digits_or_dash(s, s.mean_contact_angle_deg); }},
     {"within 30 deg, %",
-     [](const RunSummary& s) { return four_digits(100 * s.share_within_30deg); }},
+     [](const RunSummary& s) { return digits_or_dash(s, 100 * s.share_within_30deg); }},
     {"work of missing motors, mJ",
      [](const RunSummary& s) { return four_digits(1e3 * s.work_lost_J); }},
     {"energy returned, mJ", [](const RunSummary& s) { return four_digits(1e3 * s.port_work_J); }},

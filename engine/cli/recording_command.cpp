@@ -1,6 +1,8 @@
 // The subcommand `recording`: describes, checks, repairs and exports recordings.
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -16,6 +18,7 @@
 #include "engine/cli/command_output.h"
 #include "engine/cli/run_recording.h"
 #include "engine/recording/recording_check.h"
+#include "engine/recording/recording_overview.h"
 #include "engine/recording/recording_reader.h"
 #include "engine/recording/recording_settings.h"
 #include "geometry/base/printable.h"
@@ -51,7 +54,7 @@ struct RecordingDescription {
   RecordingMeta meta;
   std::optional<RecordedEnding> ending;
   std::vector<EventRow> events;
-  std::optional<std::int64_t> last_block;
+  RecordingOverview overview;
 };
 
 Result<RecordingDescription> describe_recording(const RecordingReader& reader) {
@@ -65,9 +68,7 @@ Result<RecordingDescription> describe_recording(const RecordingReader& reader) {
   auto events = reader.events(kMostShownEvents);
   if (!events) return events.error();
   d.events = std::move(*events);
-  const auto last = reader.last_block();
-  if (!last) return last.error();
-  d.last_block = *last;
+  d.overview = overview_of(reader);
   return d;
 }
 
@@ -79,15 +80,79 @@ std::string ending_text(const std::optional<RecordedEnding>& ending) {
   return text.str();
 }
 
-std::string info_text(const RecordingReader& reader, const RecordingDescription& d) {
-  std::ostringstream text;
-  text << printable(reader.path()) << ": " << reader.bytes() << " bytes"
-       << (reader.has_log() ? ", with the log of a process that died" : "") << "\n  "
-       << ending_text(d.ending);
-  if (d.last_block) text << "  the last block begins with tick " << *d.last_block << "\n";
-  for (const auto& [key, value] : d.meta) {
-    text << "  " << printable(key.substr(0, kShownText)) << ": " << meta_text(value) << "\n";
+// How a strategy is named, also where force and A4 describe it.
+std::string strategy_words(const HapticSettings& haptics) {
+  if (haptics.strategy) return name_of(*haptics.strategy);
+  constexpr std::array kForces = {"none", "actuated", "full"};
+  return std::string("A4 ") + (haptics.a4.enabled ? "on" : "off") + ", force " +
+         kForces[static_cast<std::size_t>(haptics.force)] + ", at the start";
+}
+
+// Two columns.
+class SummaryLines {
+ public:
+  void add(const char* name, const std::string& value) {
+    text_ += "  " + std::string(name) + std::string(kNames - std::strlen(name), ' ') + value + "\n";
   }
+  const std::string& text() const { return text_; }
+
+ private:
+  static constexpr std::size_t kNames = 14;
+  std::string text_;
+};
+
+// dt_s: the length of the last tick.
+std::string length_words(const RecordingOverview& o, double dt_s) {
+  if (!o.last_time_s) return "0 ticks";
+  std::ostringstream text;
+  text << *o.last_time_s + dt_s << " s, " << o.ticks << " ticks";
+  return text.str();
+}
+
+std::string device_words(const RecordedSession& session) {
+  const DeviceDescription& device = session.device;
+  const int actuators = session.setup.actuation.actuators();
+  return printable(device.name) + ", " + std::to_string(device.sensed_axes) + " sensors, " +
+         std::to_string(actuators) + (actuators == 1 ? " actuator" : " actuators") +
+         (device.moves_motors ? ", with motors" : ", without real motors");
+}
+
+std::string gap_words(const RecordingOverview& o) {
+  if (o.gaps == 0) return "none";
+  return std::to_string(o.missing) + " ticks missing in " + std::to_string(o.gaps) +
+         (o.gaps == 1 ? " gap" : " gaps");
+}
+
+// The events of a kind, as far as the table has them.
+std::string event_words(const RecordingDescription& d, const std::string& kind) {
+  const auto count = std::count_if(d.events.begin(), d.events.end(),
+                                   [&](const EventRow& e) { return e.kind == kind; });
+  const bool are_all = d.events.size() < kMostShownEvents &&
+                       std::none_of(d.events.begin(), d.events.end(),
+                                    [](const EventRow& e) { return e.kind == "more"; });
+  return std::to_string(count) + (are_all ? "" : " or more");
+}
+
+void add_session(const RecordingDescription& d, SummaryLines& lines) {
+  const auto session = session_of(d.meta);
+  lines.add("length", length_words(d.overview, session ? session->setup.dt_s : 0.0));
+  if (!session) {
+    lines.add("settings", "cannot be used: " + printable(session.error().element) + " " +
+                              printable(session.error().problem));
+    return;
+  }
+  std::ostringstream rate;
+  rate << 1.0 / session->setup.dt_s << " Hz, "
+       << (session->setup.virtual_time ? "simulated time" : "real time");
+  lines.add("rate", rate.str());
+  lines.add("scene", printable(session->setup.scene_path));
+  lines.add("strategy", strategy_words(session->setup.haptics));
+  lines.add("device", device_words(*session));
+  lines.add("recorded by", "version " + printable(session->engine));
+}
+
+std::string events_text(const RecordingDescription& d) {
+  std::ostringstream text;
   for (std::size_t i = 0; i < std::min(d.events.size(), kShownEvents); ++i) {
     const EventRow& e = d.events[i];
     text << "  tick " << e.tick << ", " << e.time_s << " s: " << e.kind << " " << e.detail << "\n";
@@ -96,6 +161,31 @@ std::string info_text(const RecordingReader& reader, const RecordingDescription&
     text << "  " << d.events.size() - kShownEvents
          << (d.events.size() == kMostShownEvents ? " or more" : "")
          << " further events; --json lists them\n";
+  }
+  return text.str();
+}
+
+// With_keys: also every key of the settings.
+std::string info_text(const RecordingReader& reader, const RecordingDescription& d,
+                      bool with_keys) {
+  std::ostringstream text;
+  text << printable(reader.path()) << ": " << reader.bytes() << " bytes"
+       << (reader.has_log() ? ", with a log beside it (-wal)" : "") << "\n";
+  SummaryLines lines;
+  add_session(d, lines);
+  lines.add("gaps", gap_words(d.overview));
+  lines.add("trips", event_words(d, "trip"));
+  const auto session = session_of(d.meta);
+  const bool has_deadlines = !session || !session->setup.virtual_time;
+  lines.add("late ticks", has_deadlines ? event_words(d, "late") : "-");
+  lines.add("ended", d.ending ? printable(d.ending->why) + " (" + std::to_string(d.ending->ticks) +
+                                    " ticks, " + std::to_string(d.ending->dropped) + " dropped)"
+                              : std::string("no ending: the process died"));
+  if (d.overview.is_broken) lines.add("broken", "a block cannot be read; see recording check");
+  text << lines.text() << events_text(d);
+  if (!with_keys) return text.str();
+  for (const auto& [key, value] : d.meta) {
+    text << "  " << printable(key.substr(0, kShownText)) << ": " << meta_text(value) << "\n";
   }
   return text.str();
 }
@@ -110,6 +200,11 @@ nlohmann::ordered_json info_json(const RecordingReader& reader, const RecordingD
                               {"bytes", reader.bytes()},
                               {"has_log", reader.has_log()},
                               {"ending", ending_json(d.ending)}};
+  json["ticks"] = d.overview.ticks;
+  json["gaps"] = d.overview.gaps;
+  json["missing"] = d.overview.missing;
+  json["last_time_s"] = d.overview.last_time_s ? nlohmann::ordered_json(*d.overview.last_time_s)
+                                               : nlohmann::ordered_json();
   json["meta"] = nlohmann::ordered_json::object();
   for (const auto& [key, value] : d.meta) json["meta"][key] = meta_json(value);
   json["events"] = nlohmann::ordered_json::array();
@@ -173,6 +268,7 @@ class RecordingCommand final : public Command {
   std::string out_;
   std::string csv_;
   bool json_ = false;
+  bool with_keys_ = false;
 };
 
 CLI::App& RecordingCommand::add(const char* name, const char* help, const char* example) {
@@ -191,8 +287,9 @@ CLI::App* RecordingCommand::add_to(CLI::App& program) {
       "--record star.palpate\n";
   set_help(*app_, record + "  ./run.sh recording check star.palpate\n",
            "./run.sh recording COMMAND --help lists the options of a command.\n");
-  add("info", "print settings, ending and events",
-      (record + "  ./run.sh recording info star.palpate\n").c_str());
+  add("info", "print a summary: length, scene, strategy, device, gaps, trips, ending and events",
+      (record + "  ./run.sh recording info star.palpate\n").c_str())
+      .add_flag("--keys", with_keys_, "also print every key of the settings, as --json does");
   add("check", "prove every checksum and list what is missing; exit code 1 if something is",
       (record + "  ./run.sh recording check star.palpate\n").c_str());
   add("repair", "copy each block that can be read; the original is not changed",
@@ -217,7 +314,7 @@ int RecordingCommand::info() {
     if (json_) {
       all.push_back(info_json(*reader, *description));
     } else {
-      text += info_text(*reader, *description);
+      text += info_text(*reader, *description, with_keys_);
     }
   }
   if (json_) {

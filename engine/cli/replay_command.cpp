@@ -20,6 +20,7 @@
 #include "engine/cli/report.h"
 #include "engine/cli/run_options.h"
 #include "engine/cli/scene_options.h"
+#include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/trajectory_report.h"
 #include "engine/recording/recording_reader.h"
@@ -154,18 +155,22 @@ int ReplayCommand::run(const std::vector<std::string>&) {
       return refuse(*error);
     }
   }
+  const auto enclosing =
+      result->records.empty() ? std::nullopt : object_around(*scene, result->records.front());
+  std::vector<std::string> warnings = load_warning_lines(*scene);
+  for (std::string& warning : path_warnings(*path)) warnings.push_back(std::move(warning));
+  if (enclosing) warnings.push_back(simulated_start_line(*scene, enclosing));
   if (json_) {
     nlohmann::ordered_json summary = summary_json(result->summary, *scene);
     if (auto trajectory = path_json(*path); !trajectory.is_null()) {
       summary["trajectory"] = std::move(trajectory);
     }
+    summary["starts_inside"] = node_json(*scene, enclosing);
     print(summary);
   } else {
     std::cout << scene_.path << ", " << trajectory_ << path_text(*path) << "\n"
               << path_notes_text(*path) << summary_text(result->summary, *scene);
   }
-  std::vector<std::string> warnings = load_warning_lines(*scene);
-  for (std::string& warning : path_warnings(*path)) warnings.push_back(std::move(warning));
   return exit_code_after_signals(finish_output(warnings));
 }
 

@@ -22,6 +22,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
+// What "step_ns" is a time of: ticks in simulated time, or those of the haptic thread.
+constexpr const char* kMachineClock = "computing time of this machine, ticks in simulated time";
+constexpr const char* kThreadClock = "haptic thread";
+
 double load_ms(const SceneStatistics& s) {
   return s.parse_ms + s.mesh_ms + s.index_ms;
 }
@@ -70,6 +74,25 @@ std::string interruption_text(const ExplorationRun& run) {
   return formatted("after %.2f s", run.records.empty() ? 0.0 : run.records.back().time_s);
 }
 
+// A number that does not exist is null.
+template <typename Number>
+ordered_json number_or_null(bool exists, Number number) {
+  return exists ? ordered_json(number) : ordered_json();
+}
+
+ordered_json step_times_json(const StepTimes& s) {
+  const bool exist = s.ticks > 0;
+  return {{"p50", number_or_null(exist, s.p50_ns)},
+          {"p99", number_or_null(exist, s.p99_ns)},
+          {"p999", number_or_null(exist, s.p999_ns)},
+          {"max", number_or_null(exist, s.max_ns)}};
+}
+
+// Ticks in simulated time have no deadlines, and their times are those of the computation.
+bool is_simulated_time(const ExplorationRun& run) {
+  return !run.tick_times.has_value();
+}
+
 // A person with a device has no path to follow.
 bool has_way(const ExplorationRun& run) {
   return !run.contour_scene_m.empty() || !run.places_scene_m.empty();
@@ -90,12 +113,18 @@ std::vector<Line> run_lines(const Scene& scene) {
   };
   std::vector<Line> lines = {
       {"in contact",
-       [](const Run& r) { return formatted("%.1f %%", 100 * r.summary.contact_share()); }},
+       [](const Run& r) {
+         return r.summary.ticks > 0 ? formatted("%.1f %%", 100 * r.summary.contact_share())
+                                    : std::string("-");
+       }},
       {"mean contact angle", mean("%.1f deg", &RunSummary::mean_contact_angle_deg, 1.0)},
       {"contact within 30 deg", mean("%.1f %%", &RunSummary::share_within_30deg, 100.0)},
       {"mean penetration", mean("%.2f mm", &RunSummary::mean_penetration_m, 1e3)},
       {"largest penetration",
-       [](const Run& r) { return formatted("%.2f mm", 1e3 * r.summary.max_penetration_m); }},
+       [](const Run& r) {
+         return r.summary.has_contact() ? formatted("%.2f mm", 1e3 * r.summary.max_penetration_m)
+                                        : std::string("-");
+       }},
       {"losses of contact",
        [](const Run& r) { return std::to_string(r.summary.losses_of_contact); }},
       {"work of missing motors (1)",
@@ -118,9 +147,10 @@ std::vector<Line> run_lines(const Scene& scene) {
       {"tick p50 / p99 / max",
        [](const Run& r) {
          const StepTimes& s = r.summary.step_ns;
-         return formatted("%.2f / %.2f / %.2f us", 1e-3 * static_cast<double>(s.p50_ns),
+         if (s.ticks == 0) return std::string("-");
+         return formatted("%.2f / %.2f / %.2f us%s", 1e-3 * static_cast<double>(s.p50_ns),
                           1e-3 * static_cast<double>(s.p99_ns),
-                          1e-3 * static_cast<double>(s.max_ns));
+                          1e-3 * static_cast<double>(s.max_ns), is_simulated_time(r) ? " (3)" : "");
        }},
       {"faults", [](const Run& r) { return faults_text(r.summary); }},
       {"A4 turned the scene in",
@@ -383,10 +413,10 @@ ordered_json summary_json(const RunSummary& s, const Scene& scene) {
   }
   return {{"ticks", s.ticks},
           {"contact_ticks", s.contact_ticks},
-          {"mean_penetration_m", s.mean_penetration_m},
-          {"max_penetration_m", s.max_penetration_m},
-          {"mean_contact_angle_deg", s.mean_contact_angle_deg},
-          {"share_within_30deg", s.share_within_30deg},
+          {"mean_penetration_m", number_or_null(s.has_contact(), s.mean_penetration_m)},
+          {"max_penetration_m", number_or_null(s.has_contact(), s.max_penetration_m)},
+          {"mean_contact_angle_deg", number_or_null(s.has_contact(), s.mean_contact_angle_deg)},
+          {"share_within_30deg", number_or_null(s.has_contact(), s.share_within_30deg)},
           {"losses_of_contact", s.losses_of_contact},
           {"work_lost_J", s.work_lost_J},
           {"port_work_J", s.port_work_J},
@@ -394,11 +424,8 @@ ordered_json summary_json(const RunSummary& s, const Scene& scene) {
           {"governor", governor_json(s)},
           {"effects", effects_use_json(s, scene)},
           {"not_understood", not_understood_lines(scene)},
-          {"step_ns",
-           {{"p50", s.step_ns.p50_ns},
-            {"p99", s.step_ns.p99_ns},
-            {"p999", s.step_ns.p999_ns},
-            {"max", s.step_ns.max_ns}}},
+          {"step_ns", step_times_json(s.step_ns)},
+          {"step_ns_clock", kMachineClock},
           {"load_ms", load_ms(scene.statistics())},
           {"triangles", scene.statistics().cleaning.triangles}};
 }
@@ -414,8 +441,10 @@ ordered_json run_json(const ExplorationRun& run, const Scene& scene) {
     json["near_m"] = run.near_m;
     if (!run.contour_scene_m.empty()) json["contour_closed"] = !run.is_open_contour;
   }
-  json["longest_gap_ticks"] = run.summary.longest_gap_ticks;
-  json["contact_share"] = run.summary.contact_share();
+  json["longest_gap_ticks"] =
+      number_or_null(run.summary.has_contact(), run.summary.longest_gap_ticks);
+  json["contact_share"] = number_or_null(run.summary.ticks > 0, run.summary.contact_share());
+  if (!is_simulated_time(run)) json["step_ns_clock"] = kThreadClock;
   if (!has_means(run.summary)) {
     for (const char* mean :
          {"mean_penetration_m", "mean_contact_angle_deg", "share_within_30deg"}) {
@@ -483,15 +512,25 @@ std::string summary_text(const RunSummary& s, const Scene& scene) {
                     static_cast<unsigned long long>(s.ticks),
                     static_cast<unsigned long long>(s.contact_ticks),
                     static_cast<unsigned long long>(s.losses_of_contact));
-  text += formatted("  penetration mean %.4g mm, max %.4g mm\n", 1e3 * s.mean_penetration_m,
-                    1e3 * s.max_penetration_m);
-  text += formatted("  contact angle mean %.2f deg, within 30 deg %.1f %%\n",
-                    s.mean_contact_angle_deg, 100 * s.share_within_30deg);
+  if (s.has_contact()) {
+    text += formatted("  penetration mean %.4g mm, max %.4g mm\n", 1e3 * s.mean_penetration_m,
+                      1e3 * s.max_penetration_m);
+    text += formatted("  contact angle mean %.2f deg, within 30 deg %.1f %%\n",
+                      s.mean_contact_angle_deg, 100 * s.share_within_30deg);
+  } else {
+    text += "  penetration mean -, max -\n  contact angle mean -, within 30 deg -\n";
+  }
   text += formatted("  work of missing motors %.4g mJ, energy returned by the device %.4g mJ\n",
                     1e3 * s.work_lost_J, 1e3 * s.port_work_J);
-  text += formatted(
-      "  tick p50 %lld ns, p99 %lld ns, max %lld ns\n", static_cast<long long>(s.step_ns.p50_ns),
-      static_cast<long long>(s.step_ns.p99_ns), static_cast<long long>(s.step_ns.max_ns));
+  if (s.step_ns.ticks > 0) {
+    text += formatted(
+        "  tick p50 %lld ns, p99 %lld ns, max %lld ns: computing times of this machine, the ticks "
+        "are in simulated time\n",
+        static_cast<long long>(s.step_ns.p50_ns), static_cast<long long>(s.step_ns.p99_ns),
+        static_cast<long long>(s.step_ns.max_ns));
+  } else {
+    text += "  tick p50 -, p99 -, max -\n";
+  }
   text += "  faults: " + faults_text(s) + "\n";
   for (const std::string& effect : scene.effects().effects) {
     text += "  " + effect + " active in " + effect_use_text(s, effect) + "\n";
@@ -524,6 +563,11 @@ std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scen
   text +=
       "(1) work on the hand of motors on all sensed axes, minus the work of the actual motors\n"
       "(2) energy that the device returned to the hand; negative: the hand put energy in\n";
+  if (is_simulated_time(runs.front())) {
+    text +=
+        "(3) computing times of this machine; the run is in simulated time, in which no tick is "
+        "late\n";
+  }
   text += chosen_pose_text(scene, "");
   if (runs.front().is_open_contour) {
     text +=

@@ -23,6 +23,7 @@
 #include "engine/cli/run_on_device.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/report/csv.h"
@@ -84,7 +85,8 @@ std::string interruption_line(const std::vector<ExplorationRun>& runs, bool is_c
 nlohmann::ordered_json runs_json(const PreparedRun& prepared,
                                  const std::vector<ExplorationRun>& runs,
                                  const std::vector<RecordingResult>& recordings,
-                                 const std::optional<RunAdvice>& advice) {
+                                 const std::optional<RunAdvice>& advice,
+                                 std::optional<std::size_t> enclosing) {
   nlohmann::ordered_json json{{"interrupted", signal_flag().requested()},
                               {"comparable", are_comparable(runs)}};
   json["reasons"] = nlohmann::ordered_json::array();
@@ -100,6 +102,7 @@ nlohmann::ordered_json runs_json(const PreparedRun& prepared,
   }
   json["scale"] = prepared.scene.statistics().scale;
   json["work_budget"] = work_budget_json(prepared.setup);
+  json["starts_inside"] = node_json(prepared.scene, enclosing);
   if (!recordings.empty()) json["recordings"] = recording_json(recordings);
   json["runs"] = nlohmann::ordered_json::array();
   for (const ExplorationRun& r : runs) {
@@ -217,11 +220,13 @@ int run(const RunRequest& command) {
   if (const auto error = move_into_place(*files)) return refuse(*error);
   if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
   for (std::string& line : recording_warnings(recordings)) warnings.push_back(std::move(line));
+  const auto enclosing = object_around(prepared->scene, runs.front().records.front());
+  if (enclosing) warnings.push_back(simulated_start_line(prepared->scene, enclosing));
   const std::optional<RunAdvice> advice = find_advice(command, *prepared, runs);
   const std::string interruption = interruption_line(runs, command.a4 == A4Runs::kCompare);
   if (!interruption.empty()) std::cerr << "palpate: " << interruption;
   if (command.json) {
-    print(runs_json(*prepared, runs, recordings, advice));
+    print(runs_json(*prepared, runs, recordings, advice, enclosing));
   } else {
     std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
               << run_heading(command, *prepared, workspace_text(prepared->setup.device))

@@ -22,6 +22,7 @@ struct DeviceRequest {
   bool no_guard = false;
   bool without_realtime = false;
   std::optional<std::uint64_t> cpu;
+  bool stays_inside = false;  // see DeviceRunSettings
 };
 
 struct RunRequest {

@@ -19,6 +19,7 @@
 #include "engine/cli/report.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/devices/device_options.h"
@@ -37,7 +38,8 @@ constexpr std::array kHandOptions = {
     "--device-mass",     "--device-damping", "--device-friction",
     "--encoder-quantum",
 };
-constexpr std::array kMotorOptions = {"--no-guard", "--without-realtime", "--cpu"};
+constexpr std::array kMotorOptions = {"--no-guard", "--without-realtime", "--cpu",
+                                      "--start-inside"};
 
 std::string device_workspace_text(const DeviceDescription& device) {
   std::ostringstream text;
@@ -53,6 +55,11 @@ DeviceRunSettings settings_of(const RunRequest& request, const PreparedRun& prep
   if (request.device.cpu) settings.cpu = static_cast<int>(*request.device.cpu);
   settings.has_guard = !request.device.no_guard;
   settings.without_realtime = request.device.without_realtime;
+  settings.stays_inside = request.device.stays_inside;
+  settings.on_start_inside = [&scene = prepared.scene](const StartInside::Status& status) {
+    const std::string line = start_inside_line(scene, status);
+    if (!line.empty()) std::cerr << "palpate: " << line << std::endl;
+  };
   settings.takes_motors = !is_given("--actuators") && !is_given("--actuated-axes");
   if (!request.scene.max_memory.empty()) {  // prepare_run() parsed it without an error
     settings.max_memory_bytes = *parse_bytes(request.scene.max_memory);
@@ -80,6 +87,7 @@ nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const Device
   nlohmann::ordered_json json{{"interrupted", signal_flag().requested()}};
   json["tripped"] = run.governor.trips > 0;
   json["device"] = device_json(facts, run);
+  json["start_inside"] = start_inside_json(prepared.scene, run.start_inside);
   json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
   json["scale"] = prepared.scene.statistics().scale;
   json["work_budget"] = work_budget_json(prepared.setup);
@@ -175,6 +183,11 @@ void add_motors(CLI::App& app, DeviceRequest& device) {
                "trips are possible on a busy machine")
       ->group(kMotorGroup);
   add_cpu(app, device.cpu)->group(kMotorGroup);
+  add_choice<bool>(app, "--start-inside", device.stays_inside, {{"leave", false}, {"stay", true}},
+                   "leave",
+                   "if the hand begins inside a closed surface: leave, no force until it has left; "
+                   "or stay, it feels the surface from inside, as in a room")
+      ->group(kMotorGroup);
   app.add_flag("--no-guard", device.no_guard,
                "for tests: start no process that stops the motors when the program hangs or ends")
       ->group(kMotorGroup);

@@ -105,18 +105,24 @@ std::string recording_text(const RecordingResult& recording) {
        << recording.bytes << " bytes";
   if (recording.dropped > 0) text << ", " << recording.dropped << " ticks dropped";
   if (recording.error) text << "; it ended before the session: " << recording.error->problem;
+  if (recording.has_log) {
+    text << "; the log " << recording.path << "-wal is a part of it, because the disk has no space "
+         << "for one file";
+  }
   return text.str() + "\n";
 }
 
 nlohmann::ordered_json recording_json(const std::vector<RecordingResult>& recordings) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const RecordingResult& r : recordings) {
-    json.push_back({{"file", r.path},
-                    {"ticks", r.ticks},
-                    {"dropped", r.dropped},
-                    {"bytes", r.bytes},
-                    {"problem", r.error ? nlohmann::ordered_json(r.error->to_string())
-                                        : nlohmann::ordered_json()}});
+    json.push_back(
+        {{"file", r.path},
+         {"ticks", r.ticks},
+         {"dropped", r.dropped},
+         {"bytes", r.bytes},
+         {"log", r.has_log ? nlohmann::ordered_json(r.path + "-wal") : nlohmann::ordered_json()},
+         {"problem",
+          r.error ? nlohmann::ordered_json(r.error->to_string()) : nlohmann::ordered_json()}});
   }
   return json;
 }

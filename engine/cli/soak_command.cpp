@@ -31,6 +31,9 @@ constexpr const char* kJsonName = "soak.json";
 constexpr const char* kCpuTimesName = "cpu_ns.u32";
 
 std::string times_line(const char* name, const TimeHistogram& times) {
+  if (times.count() == 0) {
+    return formatted("%-34s %10s %10s %10s %10s\n", name, "-", "-", "-", "-");
+  }
   const auto us = [](std::int64_t ns) { return 1e-3 * static_cast<double>(ns); };
   return formatted("%-34s %10.1f %10.1f %10.1f %10.1f\n", name, us(times.percentile_ns(0.5)),
                    us(times.percentile_ns(0.99)), us(times.percentile_ns(0.999)),
@@ -115,7 +118,7 @@ nlohmann::ordered_json late_log_json(const LateTickLog& log) {
 
 nlohmann::ordered_json soak_json(const SoakRun& run, const PreparedRun& prepared) {
   nlohmann::ordered_json summary = summary_json(run.summary, prepared.scene);
-  summary.erase("step_ns");  // tick_times has it
+  for (const char* key : {"step_ns", "step_ns_clock"}) summary.erase(key);  // tick_times has it
   nlohmann::ordered_json json = {{"interrupted", run.interrupted},
                                  {"rate_Hz", 1.0 / prepared.setup.dt_s},
                                  {"sensors", prepared.setup.actuation.sensors()},

@@ -1,5 +1,6 @@
 #include "engine/cli/tick_times_report.h"
 
+#include <cmath>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -24,10 +25,13 @@ ordered_json histogram_json(const TimeHistogram& times) {
     bucket.push_back(times.in_bucket(i));
     buckets.push_back(std::move(bucket));
   }
-  return {{"p50", times.percentile_ns(0.5)},
-          {"p99", times.percentile_ns(0.99)},
-          {"p999", times.percentile_ns(0.999)},
-          {"max", times.largest_ns()},
+  const auto or_null = [&](std::int64_t time_ns) {
+    return times.count() > 0 ? ordered_json(time_ns) : ordered_json();
+  };
+  return {{"p50", or_null(times.percentile_ns(0.5))},
+          {"p99", or_null(times.percentile_ns(0.99))},
+          {"p999", or_null(times.percentile_ns(0.999))},
+          {"max", or_null(times.largest_ns())},
           {"buckets", buckets}};
 }
 
@@ -85,11 +89,20 @@ std::string reached_timing_text(const RunSetup& setup, const TickTimes& times) {
   if (times.period.count() == 0) return {};
   const auto timing = reached_timing(setup, times);
   if (!timing) return {};
+  const StabilityLimits& limits = timing->limits;
+  // Rounded down, so that a wall of the stiffness that is printed is passive, or stable.
+  const std::string passive =
+      limits.allows_passive_walls()
+          ? formatted("a wall is passive up to %.0f N/m", std::floor(limits.passive_N_per_m))
+          : std::string("no wall is passive");
   return formatted(
-      "at the period and the delay that 99.9 %% of the ticks kept (%.3f ms, %.1f us), a "
-      "wall is passive up to %.0f N/m and stable below %.0f N/m\n",
-      1e-6 * static_cast<double>(timing->period_ns), 1e-3 * static_cast<double>(timing->delay_ns),
-      timing->limits.passive_N_per_m, timing->limits.stable_N_per_m);
+             "at the period and the delay that 99.9 %% of the ticks kept (%.3f ms, %.1f us), ",
+             1e-6 * static_cast<double>(timing->period_ns),
+             1e-3 * static_cast<double>(timing->delay_ns)) +
+         passive +
+         (limits.stable_N_per_m > 0.0
+              ? formatted(" and stable below %.0f N/m\n", std::floor(limits.stable_N_per_m))
+              : std::string(", and none is stable\n"));
 }
 
 }  // namespace palpate

@@ -172,6 +172,7 @@ ViewSettings view_settings_of(const ViewRequest& request, const IsGiven& is_give
   if (run.device.cpu) settings.cpu = static_cast<int>(*run.device.cpu);
   settings.has_guard = !run.device.no_guard;
   settings.without_realtime = run.device.without_realtime;
+  settings.stays_inside = run.device.stays_inside;
   settings.takes_motors = !is_given("--actuators") && !is_given("--actuated-axes");
   return settings;
 }

@@ -239,9 +239,13 @@ std::string HapiDevice::summary() const {
   const HapiCounts counts = this->counts();
   std::ostringstream line;
   line << counts.messages << " messages, " << counts.answers << " answers, " << counts.missed
-       << " missed, " << counts.late << " late, " << counts.malformed << " malformed, round trip "
-       << 1e-6 * static_cast<double>(counts.round_trip_median_ns) << " ms (longest "
-       << 1e-6 * static_cast<double>(counts.round_trip_longest_ns) << " ms)";
+       << " missed, " << counts.late << " late, " << counts.malformed << " malformed, round trip ";
+  if (counts.answers == 0) {
+    line << "- (longest -)";
+  } else {
+    line << 1e-6 * static_cast<double>(counts.round_trip_median_ns) << " ms (longest "
+         << 1e-6 * static_cast<double>(counts.round_trip_longest_ns) << " ms)";
+  }
   return line.str();
 }
 

@@ -108,9 +108,16 @@ double stable_limit(const SampledLoop& loop, double damping_Ns_per_m, double fir
   return stable;
 }
 
+// Half an epsilon each, relative to b + B or to the quotient: the conversions of b, B and the rate
+// from decimal digits, their difference, the period, the held time and the quotient; the conversion
+// of the stiffness, and the quotient and the product of its relief; eleven in all.
+constexpr double kRounding = 6.0 * std::numeric_limits<double>::epsilon();
+
 void find_passive(const DeviceMechanics& device, double damping, double held_s,
                   StabilityLimits& limits) {
-  const double left = device.damping_Ns_per_m - damping;
+  const double left_rounding = kRounding * (device.damping_Ns_per_m + damping);
+  const double difference = device.damping_Ns_per_m - damping;
+  const double left = difference > left_rounding ? difference : std::min(difference, 0.0);
   limits.passive_sampling_N_per_m = std::max(0.0, left / held_s);
   limits.passive_encoder_N_per_m = std::numeric_limits<double>::infinity();
   if (device.encoder_quantum_m > 0.0) {
@@ -118,9 +125,12 @@ void find_passive(const DeviceMechanics& device, double damping, double held_s,
   }
   limits.passive_N_per_m =
       std::min(limits.passive_sampling_N_per_m, limits.passive_encoder_N_per_m);
+  const bool is_by_encoder = limits.passive_encoder_N_per_m < limits.passive_sampling_N_per_m;
+  limits.passive_rounding_N_per_m =
+      is_by_encoder ? kRounding * limits.passive_encoder_N_per_m : left_rounding / held_s;
   if (left <= 0.0) {
     limits.passivity_bound = PassivityBound::kDamper;
-  } else if (limits.passive_encoder_N_per_m < limits.passive_sampling_N_per_m) {
+  } else if (is_by_encoder) {
     limits.passivity_bound = PassivityBound::kEncoder;
   }
 }

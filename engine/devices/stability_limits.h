@@ -71,6 +71,9 @@ struct StabilityLimits {
   // velocity comes from rounded positions. Infinite if D = 0.
   double passive_encoder_N_per_m = 0.0;
   double passive_N_per_m = 0.0;  // smaller of these two limits; 0: no wall with this B is passive
+  // How much rounding can have moved this limit and a stiffness that is compared with it (kRounding
+  // in stability_limits.cpp).
+  double passive_rounding_N_per_m = 0.0;
   PassivityBound passivity_bound = PassivityBound::kSampling;
 
   // The stiffness below which the sampled loop (device and hand, coupling, held force) has a
@@ -83,10 +86,14 @@ struct StabilityLimits {
 
   // A wall at exactly the limit is still passive. Consider a tick in which the device moves by dx,
   // with B = 0 and d = 0: the wall generates at most K |dx|^2 / 2, and the device dissipates at
-  // least as much, namely b |dx|^2 / T.
+  // least as much, namely b |dx|^2 / T. Rounding does not turn a wall at the limit into one beyond
+  // it. This comparison decides wherever a wall is called passive.
   bool is_passive(double stiffness_N_per_m) const {
-    return passivity_bound != PassivityBound::kDamper && stiffness_N_per_m <= passive_N_per_m;
+    return passivity_bound != PassivityBound::kDamper &&
+           stiffness_N_per_m <= passive_N_per_m + passive_rounding_N_per_m;
   }
+  // Whether a wall of some stiffness above 0 is passive.
+  bool allows_passive_walls() const { return passive_N_per_m > 0.0; }
   bool is_stable(double stiffness_N_per_m) const { return stiffness_N_per_m < stable_N_per_m; }
 };
 

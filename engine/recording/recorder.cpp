@@ -15,6 +15,7 @@
 
 #include "engine/recording/block_codec.h"
 #include "engine/recording/event_log.h"
+#include "engine/recording/pending_blocks.h"
 #include "engine/recording/recorder_rings.h"
 #include "engine/recording/recording_file.h"
 #include "engine/recording/recording_settings.h"
@@ -31,6 +32,8 @@ constexpr auto kLookEvery = std::chrono::microseconds(500);
 // transaction.
 constexpr int kLogPages = 4096;
 constexpr double kMostRows = 1 << 20;
+// A longer transaction is committed before its time is over.
+constexpr std::size_t kMostPendingBytes = std::size_t{2} << 20;
 
 // Its text takes no memory.
 Error out_of_memory() {
@@ -58,10 +61,12 @@ struct Recorder::State {
   std::vector<RecordedTick> rows;  // of the block that is not full
   std::vector<std::byte> inputs;   // of these rows
   EventLog log;
-  std::uint64_t written = 0;    // ticks in full blocks
-  std::uint64_t committed = 0;  // of these
+  PendingBlocks pending;  // of the open transaction
+  std::vector<EventRow> event_rows;
+  std::optional<RecordingMeta> facts;
   std::uint64_t next_tick = 0;  // after the last tick taken
   std::optional<Error> error;
+  bool has_ended = false;  // the file has its ending
 
   // Of both threads: the facts of the session's start, and the request to end.
   std::mutex mutex;
@@ -77,8 +82,11 @@ struct Recorder::State {
   void close_block();
   void write_block();
   void write_events(bool is_last);
+  std::optional<Error> add_event(const EventRow& row);
   void write_start();
   void take_gap();
+  void commit();
+  void end_on_full_disk();
   // Whether the recording must end.
   bool wait(std::chrono::steady_clock::time_point until) {
     std::unique_lock lock(mutex);
@@ -97,8 +105,36 @@ void Recorder::State::write_block() {
   if (columns.empty() || packed_inputs.empty()) {
     return fail(Error{ErrorCode::kOutOfMemory, path, "", "needs memory to compress", ""});
   }
-  fail(file.add_block(static_cast<std::int64_t>(rows.front().record.tick),
-                      static_cast<std::int64_t>(rows.size()), columns, packed_inputs));
+  pending.add({rows.front().record.tick, rows.size(), std::vector(columns.begin(), columns.end()),
+               std::vector(packed_inputs.begin(), packed_inputs.end())});
+  fail(pending.write_last(file));
+}
+
+void Recorder::State::commit() {
+  write_start();
+  if (!error) fail(file.commit());
+  if (error) return;
+  pending.set_committed();
+  event_rows.clear();
+  facts.reset();
+}
+
+// Keeps what fits, and writes the ending. What came after the last tick that is kept is not said.
+void Recorder::State::end_on_full_disk() {
+  file.rollback();
+  // Without them, no tick can be replayed.
+  if (facts && (file.begin() || file.set_meta(*facts) || file.commit())) file.rollback();
+  pending.write_what_fits(file);
+  if (!file.begin()) {
+    bool fits = true;
+    for (const EventRow& row : event_rows) {
+      if (row.tick < pending.end_tick()) fits = fits && !add_event(row);
+    }
+    if (!fits || file.commit()) file.rollback();
+  }
+  has_ended = !file.add_ending(
+      static_cast<std::int64_t>(pending.committed_ticks()),
+      static_cast<std::int64_t>(pending.end_tick() - pending.committed_ticks()), kDiskFull);
 }
 
 // Ticks are missing before the oldest one of the ring: a block has no gap.
@@ -110,9 +146,11 @@ void Recorder::State::take_gap() {
 
 void Recorder::State::close_block() {
   write_block();
-  written += rows.size();
   rows.clear();
   inputs.clear();
+  if (error || pending.bytes() < kMostPendingBytes) return;
+  commit();
+  if (!error) fail(file.begin());
 }
 
 void Recorder::State::take_ticks(std::chrono::steady_clock::time_point until) {
@@ -145,19 +183,23 @@ void Recorder::State::write_events(bool is_last) {
   while (events.take(event)) log.add(event);
   log.add_lost(events.take_lost());
   if (is_last) log.finish();
-  for (const EventRow& row : log.take_rows()) {
-    if (error) return;
-    fail(file.add_event(static_cast<std::int64_t>(row.tick), row.time_s, row.kind, row.detail));
+  for (EventRow& row : log.take_rows()) {
+    if (!error) fail(add_event(row));
+    event_rows.push_back(std::move(row));
   }
 }
 
+std::optional<Error> Recorder::State::add_event(const EventRow& row) {
+  return file.add_event(static_cast<std::int64_t>(row.tick), row.time_s, row.kind, row.detail);
+}
+
 void Recorder::State::write_start() {
-  std::optional<RecordingMeta> facts;
   {
     const std::lock_guard lock(mutex);
+    if (!start) return;
     facts.swap(start);
   }
-  if (facts) fail(file.set_meta(*facts));
+  if (!error) fail(file.set_meta(*facts));
 }
 
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& path,
@@ -288,16 +330,19 @@ void Recorder::write() {
     state.fail(state.file.begin());
     while (!state.error && !must_end && Clock::now() < due) {
       must_end = state.wait(is_virtual ? std::min(due, Clock::now() + kLookEvery) : due);
-      if (is_virtual) state.take_ticks(due);
+      if (!is_virtual) continue;
+      state.write_start();
+      state.take_ticks(due);
     }
-    if (!state.error) state.write_start();
+    state.write_start();
     if (!state.error) state.take_ticks(must_end ? Clock::time_point::max() : due);
     state.write_rest(is_virtual && !must_end);
     if (!state.error) state.write_events(must_end);
-    if (!state.error) state.fail(state.file.commit());
-    if (!state.error) state.committed = state.written;
+    if (!state.error) state.commit();
     if (state.lacks_start.load(std::memory_order_acquire)) state.fail(out_of_memory());
-    if (state.error) return;
+    if (!state.error) continue;
+    if (state.file.is_full()) state.end_on_full_disk();
+    return;
   }
 }
 
@@ -311,16 +356,21 @@ RecordingResult Recorder::finish(const std::string& why) {
   thread_.join();
   RecordingResult result;
   result.path = state.path;
-  result.ticks = state.committed;
-  result.dropped = dropped();
+  result.ticks = state.pending.committed_ticks();
+  // What came after a failure was not dropped: the recording had ended.
+  result.dropped = state.error ? state.pending.end_tick() - result.ticks : dropped();
   if (!state.error) {
-    state.fail(state.file.finish(static_cast<std::int64_t>(result.ticks),
-                                 static_cast<std::int64_t>(result.dropped), why));
+    state.fail(state.file.add_ending(static_cast<std::int64_t>(result.ticks),
+                                     static_cast<std::int64_t>(result.dropped), why));
+    state.has_ended = !state.error;
   }
+  if (state.has_ended) result.has_log = !state.file.close();
   result.error = state.error;
-  std::error_code ignored;
-  const auto bytes = std::filesystem::file_size(state.path, ignored);
-  if (!ignored) result.bytes = bytes;
+  for (const std::string& file : {state.path, state.path + "-wal"}) {
+    std::error_code failed;
+    const auto bytes = std::filesystem::file_size(file, failed);
+    if (!failed) result.bytes += bytes;
+  }
   return result;
 }
 

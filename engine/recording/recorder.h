@@ -34,9 +34,14 @@ struct RecordingResult {
   std::string path;
   std::uint64_t ticks = 0;     // in the file
   std::uint64_t dropped = 0;   // ticks for which a ring had no space
-  std::uint64_t bytes = 0;     // of the file
+  std::uint64_t bytes = 0;     // of the file and of a log that stays
   std::optional<Error> error;  // why the recording ended before the session
+  // The disk has no space to copy the log, PATH-wal, into the file. It is a part of the recording.
+  bool has_log = false;
 };
+
+// The reason in the ending of a recording that ended before its session because its disk was full.
+inline constexpr const char* kDiskFull = "disk full";
 
 // Writes one session into one file. The owner of a session creates a recorder, passes it to the
 // session as SessionParts::sink, and calls finish() after the last tick.
@@ -44,7 +49,8 @@ struct RecordingResult {
 // The haptic thread copies each tick into rings that are allocated and touched by create(), and
 // never waits (except in virtual time). A thread of the recorder compresses and writes, one
 // transaction every 250 ms. If the disk is full or the file cannot be written, the recording ends
-// and the session goes on.
+// and the session goes on. A full disk keeps all ticks that fit, and the ending kDiskFull, whose
+// space was taken before.
 class Recorder final : public TickSink {
  public:
   // Creates the file. Returns an error if it exists or cannot be created, or if memory is missing.
@@ -61,8 +67,8 @@ class Recorder final : public TickSink {
   void on_trip(const GovernorTrip& trip) noexcept override;
   void on_late(LateCause cause, const TickCost& cost) noexcept override;
 
-  // Writes all that was handed over, and the ending. why: "end", or what ended the session. Call it
-  // once, after the last tick, on the owner's thread.
+  // Writes all that was handed over, and the ending, unless the disk was full before. why: "end",
+  // or what ended the session. Call it once, after the last tick, on the owner's thread.
   RecordingResult finish(const std::string& why);
 
   // The recording has ended because of an error. Any thread may call it.

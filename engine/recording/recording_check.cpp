@@ -12,6 +12,9 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMostEvents = 1'000'000;
+// Of a copy: a transaction is kept in memory until it is committed, and a log until it is copied.
+constexpr std::uint64_t kBlocksPerTransaction = 64;
+constexpr int kCopyLogPages = 4096;
 
 void add_gap(std::int64_t first, std::int64_t count, RecordingCheck& check) {
   if (count <= 0) return;
@@ -84,10 +87,15 @@ Result<RecordingCheck> check_recording(const RecordingReader& reader) {
 }
 
 Result<RecordingCheck> repair_recording(const RecordingReader& reader, const std::string& to) {
-  auto file = RecordingFile::create(to, reader.readable_meta());
+  auto file = RecordingFile::create(to, reader.readable_meta(), nullptr, kCopyLogPages);
   if (!file) return file.error();
   if (auto error = file->begin()) return *error;
-  auto check = walk_blocks(reader, [&](const WalkStep& step) {
+  std::uint64_t blocks = 0;
+  auto check = walk_blocks(reader, [&](const WalkStep& step) -> std::optional<Error> {
+    if (++blocks % kBlocksPerTransaction == 0) {
+      if (auto error = file->commit()) return error;
+      if (auto error = file->begin()) return error;
+    }
     return file->add_block(step.first_tick, step.frames.ticks, step.frames.columns,
                            step.frames.inputs);
   });
@@ -105,8 +113,12 @@ Result<RecordingCheck> repair_recording(const RecordingReader& reader, const std
       "repaired" + (check->ending ? "; ended: " + check->ending->why : std::string());
   const auto dropped =
       static_cast<std::int64_t>(check->missing);  // what is missing was dropped on the way here
-  if (auto error = file->finish(static_cast<std::int64_t>(check->ticks), dropped, why)) {
+  if (auto error = file->add_ending(static_cast<std::int64_t>(check->ticks), dropped, why)) {
     return *error;
+  }
+  if (!file->close()) {
+    return Error{ErrorCode::kFileUnwritable, to, "",
+                 "needs its log, " + to + "-wal, because the disk is full", ""};
   }
   return check;
 }

@@ -7,11 +7,37 @@
 #include <unistd.h>
 #include <utility>
 
+#include "engine/recording/log_space.h"
 #include "engine/recording/recording_schema.h"
 #include "engine/recording/sqlite_handles.h"
 
 namespace palpate {
 namespace {
+
+constexpr std::uint64_t kPageBytes = 4096;
+// The file format of SQLite's log.
+constexpr std::uint64_t kLogHeaderBytes = 32;
+constexpr std::uint64_t kFrameBytes = kPageBytes + 24;
+// What a transaction changes beside the pages of its rows: the first page of the file, the list of
+// free pages, and for each of two tables the last leaf and the pages above it.
+constexpr std::uint64_t kPagesPerTransaction = 12;
+// Kept behind each transaction, for the last events and for the ending, which change a few pages
+// and one page.
+constexpr std::uint64_t kKeptPages = 8;
+
+// Of a short row, beside its texts.
+constexpr std::uint64_t kBytesOfNumbers = 32;
+
+// The pages of short rows of this length together, one of which may be new in the tree. A page
+// holds at least half of its bytes after it was split.
+std::uint64_t pages_of(std::uint64_t bytes) {
+  return 2 + bytes / (kPageBytes / 2);
+}
+// The same for a long row, whose pages behind the first are full.
+std::uint64_t pages_of_block(std::uint64_t bytes) {
+  constexpr std::uint64_t kBytesOfLink = 4;
+  return 2 + bytes / (kPageBytes - kBytesOfLink);
+}
 
 // A name like ":memory:" must be a file.
 std::string file_name(const std::string& path) {
@@ -60,19 +86,29 @@ struct RecordingFile::State {
   ino_t inode = 0;
   Database database;
   Statement block, event, meta;
+  int log_pages = 0;
+  LogSpace log;
+  std::uint64_t frames = 0;       // of the log
+  std::uint64_t dirty_pages = 0;  // that the open transaction changes at most, without short rows
+  std::uint64_t row_bytes = 0;    // of its short rows
+  bool is_full = false;
 
-  Error error() const {
+  Error error() {
+    const int code = sqlite3_errcode(database.get());
+    const int system = sqlite3_system_errno(database.get());
+    is_full = (code & 0xff) == SQLITE_FULL ||
+              (code == SQLITE_IOERR_WRITE && (system == EFBIG || system == EDQUOT));
     return {ErrorCode::kFileUnwritable, path, "",
             "cannot be written: " + sqlite_problem(database.get()), ""};
   }
-  std::optional<Error> run(const char* sql) const {
+  std::optional<Error> run(const char* sql) {
     if (sqlite3_exec(database.get(), sql, nullptr, nullptr, nullptr) == SQLITE_OK) {
       return std::nullopt;
     }
     return error();
   }
   // Runs a statement whose values are bound.
-  std::optional<Error> step(const Statement& statement, bool is_bound) const {
+  std::optional<Error> step(const Statement& statement, bool is_bound) {
     if (!is_bound || sqlite3_step(statement.get()) != SQLITE_DONE) {
       Error failed = error();
       sqlite3_reset(statement.get());
@@ -86,6 +122,31 @@ struct RecordingFile::State {
     struct stat now {};
     if (::stat(path.c_str(), &now) == 0 && now.st_ino == inode) return std::nullopt;
     return Error{ErrorCode::kFileUnwritable, path, "", "was removed or replaced", ""};
+  }
+  // Takes disk space for the open transaction and `kept` pages behind it.
+  std::optional<Error> reserve(std::uint64_t kept) {
+    const std::uint64_t pages = frames + dirty_pages + pages_of(row_bytes) + kept;
+    const int failed = log.reserve(kLogHeaderBytes + pages * kFrameBytes);
+    if (failed == 0) return std::nullopt;
+    is_full = failed == ENOSPC || failed == EFBIG || failed == EDQUOT;
+    return Error{ErrorCode::kFileUnwritable, path, "",
+                 std::string("cannot be written: ") + (is_full ? "the disk is full: " : "") +
+                     std::strerror(failed),
+                 ""};
+  }
+  std::optional<Error> commit(std::uint64_t kept) {
+    if (auto failed = check_place()) return failed;
+    if (auto failed = reserve(kept)) return failed;
+    return run("COMMIT");
+  }
+  // Copies a long log into the file; the next transaction then begins the log again. If that fails,
+  // the log grows on.
+  void copy_long_log() {
+    if (log_pages <= 0 || frames < static_cast<std::uint64_t>(log_pages)) return;
+    int in_log = 0, copied = 0;
+    const int code = sqlite3_wal_checkpoint_v2(database.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
+                                               &in_log, &copied);
+    if (code == SQLITE_OK && in_log == copied) frames = 0;
   }
   std::optional<Error> open(const char* file_system);
   std::optional<Error> make_tables();
@@ -104,7 +165,9 @@ std::optional<Error> RecordingFile::State::open(const char* file_system) {
   sqlite3_extended_result_codes(opened, 1);
   // The lock must be exclusive before the log is first used. Commits are not synchronised with the
   // disk: they must survive the death of the process, not of the machine.
+  // Pages are written by commits only, whose space is taken before.
   if (auto failed = run("PRAGMA page_size=4096; PRAGMA mmap_size=0; PRAGMA temp_store=MEMORY; "
+                        "PRAGMA cache_spill=OFF; "
                         "PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; "
                         "PRAGMA synchronous=NORMAL")) {
     return failed;
@@ -139,13 +202,29 @@ Result<RecordingFile> RecordingFile::create(const std::string& path, const Recor
   RecordingFile file(std::make_unique<State>());
   file.state_->path = path;
   auto error = file.state_->open(file_system);
-  const std::string copying = "PRAGMA wal_autocheckpoint=" + std::to_string(log_pages);
-  if (!error) error = file.state_->run(copying.c_str());
-  if (!error) error = file.begin();
+  file.state_->log_pages = log_pages;
+  if (!error) {
+    file.state_->log = LogSpace(path + "-wal");
+    // In place of SQLite's own hook, which copies a long log.
+    sqlite3_wal_hook(
+        file.state_->database.get(),
+        [](void* state, sqlite3*, const char*, int frames) {
+          static_cast<State*>(state)->frames = static_cast<std::uint64_t>(frames);
+          return SQLITE_OK;
+        },
+        file.state_.get());
+    error = file.begin();
+  }
   if (!error) error = file.set_meta(meta);
-  if (!error) error = file.commit();
+  if (!error) error = file.state_->run("COMMIT");
   // The file itself, not its log alone, says from here on that it is a recording.
   if (!error) error = file.state_->run("PRAGMA wal_checkpoint(TRUNCATE)");
+  if (!error) {
+    file.state_->frames = 0;
+    file.state_->dirty_pages = 0;
+    file.state_->row_bytes = 0;
+    error = file.state_->reserve(kKeptPages);
+  }
   if (!error) return file;
   file.state_.reset();
   remove_all(path);
@@ -153,17 +232,35 @@ Result<RecordingFile> RecordingFile::create(const std::string& path, const Recor
 }
 
 std::optional<Error> RecordingFile::begin() {
+  state_->dirty_pages = kPagesPerTransaction;
+  state_->row_bytes = 0;
   return state_->run("BEGIN IMMEDIATE");
 }
 
 std::optional<Error> RecordingFile::commit() {
-  if (auto error = state_->check_place()) return error;
-  return state_->run("COMMIT");
+  if (auto error = state_->commit(kKeptPages)) return error;
+  state_->copy_long_log();
+  return std::nullopt;
+}
+
+bool RecordingFile::fits() {
+  return !state_->reserve(kKeptPages);
+}
+
+void RecordingFile::rollback() {
+  if (sqlite3_get_autocommit(state_->database.get()) == 0) {
+    sqlite3_exec(state_->database.get(), "ROLLBACK", nullptr, nullptr, nullptr);
+  }
+}
+
+bool RecordingFile::is_full() const {
+  return state_->is_full;
 }
 
 std::optional<Error> RecordingFile::add_block(std::int64_t first_tick, std::int64_t ticks,
                                               std::span<const std::byte> columns,
                                               std::span<const std::byte> inputs) {
+  state_->dirty_pages += pages_of_block(columns.size() + inputs.size());
   sqlite3_stmt* statement = state_->block.get();
   const bool is_bound = sqlite3_bind_int64(statement, 1, first_tick) == SQLITE_OK &&
                         sqlite3_bind_int64(statement, 2, ticks) == SQLITE_OK &&
@@ -173,6 +270,7 @@ std::optional<Error> RecordingFile::add_block(std::int64_t first_tick, std::int6
 
 std::optional<Error> RecordingFile::add_event(std::int64_t tick, double time_s,
                                               const std::string& kind, const std::string& detail) {
+  state_->row_bytes += kind.size() + detail.size() + kBytesOfNumbers;
   sqlite3_stmt* statement = state_->event.get();
   const bool is_bound = sqlite3_bind_int64(statement, 1, tick) == SQLITE_OK &&
                         sqlite3_bind_double(statement, 2, time_s) == SQLITE_OK &&
@@ -183,6 +281,8 @@ std::optional<Error> RecordingFile::add_event(std::int64_t tick, double time_s,
 
 std::optional<Error> RecordingFile::set_meta(const RecordingMeta& meta) {
   for (const auto& [key, value] : meta) {
+    const auto* text = std::get_if<std::string>(&value);
+    state_->row_bytes += key.size() + (text ? text->size() : 0) + kBytesOfNumbers;
     sqlite3_stmt* statement = state_->meta.get();
     const bool is_bound =
         bind_value(statement, 1, MetaValue(key)) && bind_value(statement, 2, value);
@@ -191,8 +291,8 @@ std::optional<Error> RecordingFile::set_meta(const RecordingMeta& meta) {
   return std::nullopt;
 }
 
-std::optional<Error> RecordingFile::finish(std::int64_t ticks, std::int64_t dropped,
-                                           const std::string& why) {
+std::optional<Error> RecordingFile::add_ending(std::int64_t ticks, std::int64_t dropped,
+                                               const std::string& why) {
   const Statement ending = prepare(state_->database.get(), "INSERT INTO ending VALUES (?, ?, ?)");
   if (!ending) return state_->error();
   if (auto error = begin()) return error;
@@ -200,12 +300,21 @@ std::optional<Error> RecordingFile::finish(std::int64_t ticks, std::int64_t drop
                         sqlite3_bind_int64(ending.get(), 2, dropped) == SQLITE_OK &&
                         bind_value(ending.get(), 3, MetaValue(why));
   if (auto error = state_->step(ending, is_bound)) return error;
-  if (auto error = commit()) return error;
+  // The space was kept by the transaction before; another program cannot have taken it.
+  if (auto error = state_->check_place()) return error;
+  return state_->run("COMMIT");
+}
+
+bool RecordingFile::close() {
   // Statements must not be open when the log is removed.
   state_->block.reset();
   state_->event.reset();
   state_->meta.reset();
-  return state_->run("PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode=DELETE");
+  state_->log.cut(kLogHeaderBytes + state_->frames * kFrameBytes);
+  const bool is_plain =
+      !state_->run("PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode=DELETE").has_value();
+  state_.reset();
+  return is_plain;
 }
 
 }  // namespace palpate

@@ -34,7 +34,8 @@ class RecordingFile {
   ~RecordingFile();  // leaves a recording without ending, as a crash does
 
   // Each of the following functions returns an error if the disk is full, the file is gone or an
-  // operation fails. The recording has then ended: what was committed stays readable.
+  // operation fails. What was committed stays readable. If is_full(), smaller transactions may
+  // still fit, after rollback(), and the ending does; otherwise the recording has ended.
   std::optional<Error> begin();
   // Replaces a block that begins with the same tick.
   std::optional<Error> add_block(std::int64_t first_tick, std::int64_t ticks,
@@ -43,11 +44,21 @@ class RecordingFile {
   std::optional<Error> add_event(std::int64_t tick, double time_s, const std::string& kind,
                                  const std::string& detail);
   std::optional<Error> set_meta(const RecordingMeta& meta);
+  // Takes disk space for the transaction and for the rows behind it before anything is written.
   std::optional<Error> commit();
+  // Takes the space that commit() takes. False if the disk lacks it.
+  bool fits();
+  // Undoes the open transaction, if there is one.
+  void rollback();
+  // The last error was a lack of disk space, or a limit of it.
+  bool is_full() const;
 
-  // Writes the ending, and makes the file one plain file without a log. Call it once, outside of a
-  // transaction.
-  std::optional<Error> finish(std::int64_t ticks, std::int64_t dropped, const std::string& why);
+  // Writes the ending. Disk space was kept for it. Call it once, outside of a transaction; only
+  // close() may follow.
+  std::optional<Error> add_ending(std::int64_t ticks, std::int64_t dropped, const std::string& why);
+  // Makes the file one plain file without a log. False if the disk has no space for that: the log
+  // then stays a part of the recording.
+  bool close();
 
  private:
   struct State;

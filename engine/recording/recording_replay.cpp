@@ -106,6 +106,11 @@ class RecordedChanges final : public BeforeTick {
   std::span<const TickInput> inputs_;
 };
 
+// Counts the ticks in which each effect was active.
+void count_effects(const TickRecord& record, std::array<std::uint64_t, kMostEffects>& ticks) {
+  for (std::size_t i = 0; i < ticks.size(); ++i) ticks[i] += record.effects >> i & 1u;
+}
+
 // Keeps the tick that the session computes.
 class ComputedTick final : public TickSink {
  public:
@@ -252,6 +257,8 @@ class Replayer {
   ReplayOutcome finish() {
     outcome_.recorded = recorded_summary_.finish({});
     outcome_.computed = computed_.summary.finish({});
+    outcome_.recorded.effect_ticks = recorded_effects_;
+    outcome_.computed.effect_ticks = computed_effects_;
     return std::move(outcome_);
   }
 
@@ -295,6 +302,8 @@ class Replayer {
     if (outcome_.difference) return nullptr;
     ++outcome_.proved;
     recorded_summary_.add(row.record);
+    count_effects(row.record, recorded_effects_);
+    count_effects(computed_.row.record, computed_effects_);
     const bool is_tripped = (row.record.faults & kRuleTripped) != 0;
     if (is_tripped && !was_tripped_) {
       GovernorTrip trip;
@@ -339,6 +348,8 @@ class Replayer {
   HapticSession session_;
   ReplayOutcome outcome_;
   SummaryAccumulator recorded_summary_;
+  std::array<std::uint64_t, kMostEffects> recorded_effects_{};
+  std::array<std::uint64_t, kMostEffects> computed_effects_{};
   bool was_tripped_ = false;
 };
 

@@ -65,12 +65,33 @@ bool has_tripped(const HapticSession& session) {
   return session.latest(status) && status.trips > 0;
 }
 
+// Reports each change of the status.
+class StartInsideReport {
+ public:
+  StartInsideReport(const StartInside& start, const DeviceRunSettings& settings)
+      : start_(start), settings_(settings) {}
+  void look() {
+    const StartInside::Status status = start_.status();
+    const bool is_news = status.phase != last_.phase || status.object != last_.object ||
+                         status.was_inside != last_.was_inside;
+    if (is_news && settings_.on_start_inside) settings_.on_start_inside(status);
+    last_ = status;
+  }
+
+ private:
+  const StartInside& start_;
+  const DeviceRunSettings& settings_;
+  StartInside::Status last_;
+};
+
 // Returns when the run must end.
 void wait_for_end(const GuardedRun& run, const HapticSession& session, std::uint64_t ticks,
-                  const std::function<void(double)>& progress, const StopFlag* stop) {
+                  const std::function<void(double)>& progress, const StopFlag* stop,
+                  StartInsideReport& report) {
   const auto is_stopped = [stop] { return stop != nullptr && stop->requested(); };
   while (run.thread().running() && !is_stopped() && !has_tripped(session)) {
     progress(static_cast<double>(run.thread().ticks()) / static_cast<double>(ticks));
+    report.look();
     std::this_thread::sleep_for(kLookEvery);
   }
 }
@@ -87,9 +108,10 @@ Result<DeviceRun> run_device(const Scene& scene, const RunSetup& setup, Guardabl
   auto mover = SteadyMotions::create(scene, setup.moves);
   if (!mover) return mover.error();
   DeviceRecorder recorder(ticks);
+  StartInside start_inside(scene, settings.stays_inside);
   HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
   HapticSession session(loop, device,
-                        {.changes = {&*mover},
+                        {.changes = {&*mover, &start_inside},
                          .observers = {&recorder},
                          .max_force_N = setup.max_force_N,
                          .takes_motors = settings.takes_motors,
@@ -99,9 +121,12 @@ Result<DeviceRun> run_device(const Scene& scene, const RunSetup& setup, Guardabl
                   .has_guard = settings.has_guard,
                   .without_realtime = settings.without_realtime});
   if (auto error = run.start()) return *error;
-  wait_for_end(run, session, ticks, progress, stop);
+  StartInsideReport report(start_inside, settings);
+  wait_for_end(run, session, ticks, progress, stop, report);
   run.stop();
+  report.look();
   DeviceRun done;
+  done.start_inside = start_inside.status();
   recorder.move_to(done);
   take_effects(loop, setup.haptics.measures_effects, steps_of(done.records), done.summary);
   session.latest(done.governor);

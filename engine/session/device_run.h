@@ -12,6 +12,7 @@
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
 #include "engine/session/run_summary.h"
+#include "engine/session/start_inside.h"
 #include "engine/session/stop_flag.h"
 #include "engine/session/tick_sink.h"
 #include "engine/session/tick_times.h"
@@ -29,6 +30,11 @@ struct DeviceRunSettings {
   std::uint64_t max_memory_bytes = 0;
   std::uint64_t taken_memory_bytes = 0;
   TickSink* sink = nullptr;  // records the session; null: nothing does
+  // A hand that begins inside a closed surface stays there and feels it. Otherwise it gets no force
+  // until it has left (StartInside).
+  bool stays_inside = false;
+  // Called on the owner's thread when StartInside::status() has changed; may be empty.
+  std::function<void(const StartInside::Status&)> on_start_inside = {};
 };
 
 struct DeviceRun {
@@ -40,6 +46,7 @@ struct DeviceRun {
   GovernorStatus governor;  // after the last tick
   bool has_fifo = false;    // the haptic thread and the guard have SCHED_FIFO
   DeviceHealth health;      // at the end
+  StartInside::Status start_inside;
   std::vector<std::string> warnings;
 };
 

@@ -48,7 +48,9 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   const LoopChanges changes(loop_, parts_.sink);
   if (has_ticked_ && loop_.accepts(dt_s)) time_s_ += dt_s;
   has_ticked_ = true;
+  const bool was_free = loop_.is_hand_free();
   for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, changes);
+  if (was_free && !loop_.is_hand_free()) governor_->restart();
   if (!sample.is_valid) loop_.refuse_sample();
   const auto start = std::chrono::steady_clock::now();
   TickRecord record = loop_.tick(Vec3(sample.position_m.data()), dt_s);

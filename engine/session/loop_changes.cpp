@@ -28,7 +28,7 @@ consteval bool table_is_in_order() {
     if (facts.kind != static_cast<InputKind>(k)) return false;
     if (facts.least_bytes > facts.most_bytes || facts.most_bytes > kMostInputBytes) return false;
   }
-  return kInputKinds.size() == static_cast<std::size_t>(InputKind::kPause) + 1;
+  return kInputKinds.size() == static_cast<std::size_t>(InputKind::kFreeHand) + 1;
 }
 static_assert(table_is_in_order());
 
@@ -71,6 +71,9 @@ bool apply_change(const TickInput& input, HapticLoop& loop) noexcept {
       loop.set_coupling(n[0], n[1]);
       return true;
     }
+    case InputKind::kFreeHand:
+      input.handle != 0 ? loop.free_hand() : loop.hold_hand();
+      return true;
     // Inputs that need the scene, and those of the session and of its device.
     case InputKind::kEffectParameters:
     case InputKind::kMotors:

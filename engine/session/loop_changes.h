@@ -36,6 +36,8 @@ class LoopChanges {
     make({InputKind::kForce, static_cast<std::uint32_t>(force)});
   }
   void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
+  void free_hand() noexcept { make({InputKind::kFreeHand, 1}); }
+  void hold_hand() noexcept { make({InputKind::kFreeHand, 0}); }
 
   const HapticLoop& loop() const noexcept { return *loop_; }
 

@@ -23,7 +23,7 @@ StepTimes StepTimes::of(std::vector<std::int64_t> steps_ns) {
     const double rank = std::ceil(share * static_cast<double>(steps_ns.size()));
     return steps_ns[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
   };
-  return {percentile(0.5), percentile(0.99), percentile(0.999), steps_ns.back()};
+  return {percentile(0.5), percentile(0.99), percentile(0.999), steps_ns.back(), steps_ns.size()};
 }
 
 void SummaryAccumulator::add(const TickRecord& record) noexcept {

@@ -12,18 +12,22 @@
 
 namespace palpate {
 
-// Percentiles of the durations of the loop's ticks, in nanoseconds.
+// Percentiles of the durations of the loop's ticks, in nanoseconds, as the clock of this machine
+// measured them, also where the ticks run in simulated time. All are 0 without a measured tick.
 struct StepTimes {
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
   std::int64_t p999_ns = 0;
   std::int64_t max_ns = 0;
+  std::size_t ticks = 0;  // that were measured
 
   static StepTimes of(std::vector<std::int64_t> steps_ns);
 };
 
-// Means are taken over contact ticks. The device holds a force until the next tick; therefore work
-// is the force times the displacement that follows it. Ticks with an invalid sample add no work.
+// Means, shares and the largest penetration are those of contact ticks; without a contact tick they
+// do not exist, and the fields are 0 (has_contact()). The device holds a force until the next tick;
+// therefore work is the force times the displacement that follows it. Ticks with an invalid sample
+// add no work.
 struct RunSummary {
   std::uint64_t ticks = 0;
   std::uint64_t contact_ticks = 0;
@@ -47,6 +51,7 @@ struct RunSummary {
   Vec3 device_extent_m = Vec3::Zero();
   StepTimes step_ns;
 
+  bool has_contact() const { return contact_ticks > 0; }
   // 0 for a run without ticks.
   double contact_share() const {
     return ticks > 0 ? static_cast<double>(contact_ticks) / static_cast<double>(ticks) : 0.0;

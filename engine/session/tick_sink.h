@@ -31,7 +31,8 @@ enum class InputKind : std::uint16_t {
   kMotors,            // the motors of a device whose motors turn
   kRearm,             // the end of a trip
   kTrip,              // the device asks the governor to trip: a fault of the driver or of the guard
-  kPause              // ticks in which the session was paused, before this tick
+  kPause,             // ticks in which the session was paused, before this tick
+  kFreeHand           // the hand is free of surfaces and force, or no longer
 };
 
 struct InputKindFacts {
@@ -63,6 +64,7 @@ inline constexpr std::array kInputKinds = {
     InputKindFacts{InputKind::kTrip, "trip", 0, 0, "0", "none"},
     InputKindFacts{InputKind::kPause, "pause", 8, 8, "0",
                    "the number of paused ticks, unsigned, 8 bytes"},
+    InputKindFacts{InputKind::kFreeHand, "free_hand", 0, 0, "1: free, also again; 0: not", "none"},
 };
 inline constexpr std::size_t kMostInputBytes = 120;
 

@@ -15,13 +15,14 @@ using Message = nlohmann::json;
 // The page counts its requests; its numbers are exact up to here.
 constexpr std::uint64_t kMostId = std::uint64_t{1} << 53;
 
-constexpr std::array<std::pair<std::string_view, PageRequest::Kind>, 6> kTypes = {{
+constexpr std::array<std::pair<std::string_view, PageRequest::Kind>, 7> kTypes = {{
     {"token", PageRequest::Kind::kToken},
     {"set", PageRequest::Kind::kSet},
     {"take_control", PageRequest::Kind::kTakeControl},
     {"rearm", PageRequest::Kind::kRearm},
     {"pause", PageRequest::Kind::kPause},
     {"start", PageRequest::Kind::kStart},
+    {"stay", PageRequest::Kind::kStay},
 }};
 
 Error refused(std::string element, std::string problem) {
@@ -150,7 +151,8 @@ Result<PageRequest> parse_request(std::string_view text, std::optional<std::uint
   const auto known =
       std::find_if(kTypes.begin(), kTypes.end(), [&](const auto& t) { return t.first == word; });
   if (known == kTypes.end()) {
-    return refused("type", "is unknown; expected token, set, take_control, rearm, pause or start");
+    return refused("type",
+                   "is unknown; expected token, set, take_control, rearm, pause, start or stay");
   }
   request.kind = known->second;
   if (auto error = check_keys(json, request.kind)) return *error;

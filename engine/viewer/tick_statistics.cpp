@@ -22,8 +22,8 @@ void TickStatistics::add(std::span<const TickSummary> rows) {
   }
 }
 
-double TickStatistics::percentile(std::vector<float> times_us, double share) {
-  if (times_us.empty()) return 0.0;
+std::optional<double> TickStatistics::percentile(std::vector<float> times_us, double share) {
+  if (times_us.empty()) return std::nullopt;
   const double rank = std::ceil(share * static_cast<double>(times_us.size()));
   const std::size_t index =
       std::min(times_us.size() - 1, static_cast<std::size_t>(std::max(0.0, rank - 1.0)));

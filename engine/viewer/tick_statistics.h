@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,14 +20,14 @@ class TickStatistics {
 
   void add(std::span<const TickSummary> rows);
 
-  // A time that this share of the ticks does not exceed; 0 without a tick. O(kTicks).
-  double late_us(double share) const { return percentile(late_us_, share); }
-  double step_us(double share) const { return percentile(step_us_, share); }
+  // A time that this share of the ticks does not exceed; no value without a tick. O(kTicks).
+  std::optional<double> late_us(double share) const { return percentile(late_us_, share); }
+  std::optional<double> step_us(double share) const { return percentile(step_us_, share); }
   // The ticks with each fault bit since the last call.
   std::array<std::uint64_t, 32> take_faults();
 
  private:
-  static double percentile(std::vector<float> times_us, double share);
+  static std::optional<double> percentile(std::vector<float> times_us, double share);
 
   std::vector<float> late_us_, step_us_;  // rings
   std::size_t next_ = 0;

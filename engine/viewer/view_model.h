@@ -41,7 +41,7 @@ class ViewModel {
   // The page in control moves the hand, or lets go.
   virtual void point(const PointerMessage& message) = 0;
   virtual void let_go() = 0;
-  // Carry out kSet, kRearm, kPause or kStart. Returns one line if that is refused.
+  // Carry out kSet, kRearm, kPause, kStart or kStay. Returns one line if that is refused.
   virtual std::optional<std::string> carry_out(const PageRequest& request) = 0;
 
   // The bytes of /felt.glb, never null. Called on a thread that may wait; thread-safe.

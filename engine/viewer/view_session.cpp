@@ -26,6 +26,10 @@ Json vector_json(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+Json number_or_null(const std::optional<double>& number) {
+  return number ? Json(*number) : Json();
+}
+
 // The simulated hand of a page has no noise of its own: it rests where the pointer rests.
 PlantSettings plant_of(const RunSetup& setup) {
   PlantSettings plant;
@@ -47,6 +51,13 @@ std::string trip_text(const GovernorTrip& trip) {
        << " s, tick " << trip.tick;
   if (trip.limit > 0.0) text << ": " << trip.value << ", limit " << trip.limit;
   return text.str();
+}
+
+// The name of the node whose closed surface the hand has to leave before force begins; null
+// otherwise.
+Json inside_json(const Scene& scene, const StartInside::Status& status) {
+  if (status.phase != StartInside::Phase::kInside) return nullptr;
+  return scene.objects()[status.object].name;
 }
 
 std::string_view fault_name(std::size_t bit) {
@@ -96,6 +107,7 @@ ViewSession::ViewSession(const Scene& scene, const RunSetup& setup, const ViewSe
       person_(device),
       start_m_(resting_place_m(scene, setup)),
       mover_(std::move(mover)),
+      start_inside_(scene, settings.stays_inside),
       tuner_(scene),
       live_(scene, setup),
       page_settings_(scene, live_, tuner_, device == nullptr, device == nullptr),
@@ -107,7 +119,7 @@ ViewSession::ViewSession(const Scene& scene, const RunSetup& setup, const ViewSe
       publisher_(loop_, device == nullptr ? &plan_ : nullptr, most_moving(scene, setup)),
       session_(
           loop_, device == nullptr ? static_cast<Device&>(held_) : *device,
-          {.changes = {&mover_, &tuner_, &live_},
+          {.changes = {&mover_, &tuner_, &live_, &start_inside_},
            .observers = device == nullptr ? std::vector<TickObserver*>{&publisher_, &simulated_}
                                           : std::vector<TickObserver*>{&publisher_},
            .max_force_N = setup.max_force_N,
@@ -201,7 +213,8 @@ std::string ViewSession::hello() {
   return line_of(json);
 }
 
-double ViewSession::measured_rate_Hz() {
+// No value until enough ticks were counted.
+std::optional<double> ViewSession::measured_rate_Hz() {
   constexpr double kShortest_s = 0.1;  // a shorter time counts too few ticks
   const auto now = std::chrono::steady_clock::now();
   const double passed_s = std::chrono::duration<double>(now - counted_at_).count();
@@ -216,11 +229,11 @@ double ViewSession::measured_rate_Hz() {
 std::string ViewSession::status(std::size_t clients) {
   GovernorStatus governor;
   session_.latest(governor);
-  Json json = {{"type", "status"}, {"rate_Hz", measured_rate_Hz()}};
+  Json json = {{"type", "status"}, {"rate_Hz", number_or_null(measured_rate_Hz())}};
   json["missed"] = thread().missed_deadlines();
-  json["late_p999_us"] = statistics_.late_us(0.999);
-  json["step_p50_us"] = statistics_.step_us(0.5);
-  json["step_max_us"] = statistics_.step_us(1.0);
+  json["late_p999_us"] = number_or_null(statistics_.late_us(0.999));
+  json["step_p50_us"] = number_or_null(statistics_.step_us(0.5));
+  json["step_max_us"] = number_or_null(statistics_.step_us(1.0));
   json["trips"] = governor.trips;
   const bool is_tripped = governor.state == GovernorState::kTripped;
   json["trip"] = is_tripped ? Json(trip_text(governor.trip)) : Json();
@@ -231,6 +244,7 @@ std::string ViewSession::status(std::size_t clients) {
   }
   json["clients"] = clients;
   json["paused"] = is_paused_;
+  json["inside"] = inside_json(scene_, start_inside_.status());
   // What is set while paused, or was set in this moment, is not yet that of the loop.
   const bool is_pending = live_.is_pending() || tuner_.is_pending();
   LoopValues loop;
@@ -289,6 +303,12 @@ std::optional<std::string> ViewSession::carry_out(const PageRequest& request) {
     case PageRequest::Kind::kStart:
       if (!is_simulated()) return "start: a person holds the device";
       plan_.start();
+      return std::nullopt;
+    case PageRequest::Kind::kStay:
+      if (start_inside_.status().phase != StartInside::Phase::kInside) {
+        return "stay: the hand is not inside a closed surface";
+      }
+      start_inside_.stay();
       return std::nullopt;
     default:
       return "this request is not for the session";

@@ -16,6 +16,7 @@
 #include "engine/session/haptic_thread.h"
 #include "engine/session/material_tuner.h"
 #include "engine/session/run_setup.h"
+#include "engine/session/start_inside.h"
 #include "engine/session/tick_sink.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/viewer/held_device.h"
@@ -41,7 +42,8 @@ struct ViewSettings {
   std::optional<int> cpu;  // see HapticThreadSettings
   bool has_guard = true;   // see GuardedRunSettings
   bool without_realtime = false;
-  bool takes_motors = true;  // see SessionParts
+  bool takes_motors = true;   // see SessionParts
+  bool stays_inside = false;  // see DeviceRunSettings
   ViewRecording recording;
 };
 
@@ -92,7 +94,7 @@ class ViewSession final : public ViewModel {
   bool is_simulated() const { return person_ == nullptr; }
   std::optional<Error> encode_scene();
   void pause(bool paused);
-  double measured_rate_Hz();
+  std::optional<double> measured_rate_Hz();
 
   const Scene& scene_;
   RunSetup setup_;
@@ -101,6 +103,7 @@ class ViewSession final : public ViewModel {
   Vec3 start_m_;
 
   SteadyMotions mover_;
+  StartInside start_inside_;
   MaterialTuner tuner_;
   LiveSettings live_;
   PageSettings page_settings_;
@@ -121,7 +124,7 @@ class ViewSession final : public ViewModel {
   bool has_told_recording_ = false;  // that it ended
   std::uint64_t counted_ticks_ = 0;
   std::chrono::steady_clock::time_point counted_at_;
-  double last_rate_Hz_ = 0.0;
+  std::optional<double> last_rate_Hz_;
 
   std::shared_ptr<const std::string> shown_;  // /felt.glb
   std::size_t triangles_ = 0;

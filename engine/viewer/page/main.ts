@@ -116,6 +116,7 @@ class Page {
         void this.tell({ type: "pause", value: !(this.state?.isPaused ?? false) });
       },
       rearm: () => void this.tell({ type: "rearm" }),
+      stay: () => void this.tell({ type: "stay" }),
       takeControl: () => void this.tell({ type: "take_control" }),
       letGo: () => this.hand?.release(),
       camera: () => this.switchCamera(),

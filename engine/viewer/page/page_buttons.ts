@@ -6,6 +6,7 @@ export interface Actions {
   start(): void;
   pause(): void;
   rearm(): void;
+  stay(): void;
   takeControl(): void;
   letGo(): void;
   camera(): void;
@@ -46,6 +47,7 @@ export class PageButtons {
     this.add(hand, "Start position", "s", actions.start, true);
     this.add(hand, "Let go", "Escape", actions.letGo, true);
     this.rearmButton = this.add(hand, "Rearm", "r", actions.rearm, true);
+    this.add(box("inside-buttons"), "Stay inside", "i", actions.stay, true);
     this.cameraButton = this.add(view, "Follow the ball", "c", actions.camera);
     this.add(view, "Fit", "f", actions.fit);
     let isShown = false;

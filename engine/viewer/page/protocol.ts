@@ -95,16 +95,18 @@ export interface Hello {
 
 export interface Status {
   type: "status";
-  rate_Hz: number;
+  // null: no tick was measured yet
+  rate_Hz: number | null;
   missed: number;
-  late_p999_us: number;
-  step_p50_us: number;
-  step_max_us: number;
+  late_p999_us: number | null;
+  step_p50_us: number | null;
+  step_max_us: number | null;
   trips: number;
   trip: string | null;
   faults: Record<string, number>; // since the last status
   clients: number;
   paused: boolean;
+  inside: string | null; // the node inside which the hand began: no force until it has left or stays
   control: boolean;
   pending: boolean; // a setting does not act yet
   settings: Record<string, SettingValue>;
@@ -131,7 +133,8 @@ export type Request =
   | { type: "take_control" }
   | { type: "rearm" }
   | { type: "pause"; value: boolean }
-  | { type: "start" };
+  | { type: "start" }
+  | { type: "stay" };
 
 function vector(view: DataView, offset: number): Vector3 {
   return [

@@ -7,6 +7,7 @@ import { count, faultsInWords } from "./words.ts";
 const kLongestGap_ms = 250; // an older state is not shown as a present one
 // How fast the fastest message is forgotten, s per s: clocks drift, and a machine may stop for a while.
 const kForget = 0.02;
+const kNone = "\u2013"; // a number that does not exist, such as an angle without contact
 const kPeriods = 3; // a state of a slow engine may be that old
 
 const kConnectionWords: Record<ConnectionState, { short: string; notice: string }> = {
@@ -90,25 +91,30 @@ export class StatusPanel {
     const depth_m = Math.hypot(...record.goal_scene_m.map((v, i) => v - (record.proxy_scene_m[i] ?? 0)));
     write("contact", state.isPaused ? "Paused" : isContact ? "Contact" : "Free");
     element("contact").dataset["state"] = state.isPaused ? "paused" : isContact ? "contact" : "free";
-    write("angle", isContact ? `${((record.alpha_rad * 180) / Math.PI).toFixed(1)}\u00b0` : "\u2013");
+    write("angle", isContact ? `${((record.alpha_rad * 180) / Math.PI).toFixed(1)}\u00b0` : kNone);
     write("force", `${force_N.toFixed(2)} N`);
     write("full", `${full_N.toFixed(2)} N`);
-    write("depth", `${(1000 * depth_m).toFixed(2)} mm`);
+    write("depth", isContact ? `${(1000 * depth_m).toFixed(2)} mm` : kNone);
     write("hand", state.isHeld ? "held by a page" : "let go");
   }
 
   showStatus(status: Status): void {
-    write("rate", `${count(status.rate_Hz)} Hz`);
+    write("rate", status.rate_Hz === null ? kNone : `${count(status.rate_Hz)} Hz`);
     const delta = status.missed - this.missed;
     this.missed = status.missed;
     write("missed", delta > 0 ? `${count(status.missed)} (+${count(delta)})` : count(status.missed));
     const { step_p50_us: median_us, step_max_us: longest_us } = status;
-    write("step", `${median_us.toFixed(1)} \u00b5s, longest ${longest_us.toFixed(0)} \u00b5s`);
-    write("late", `${count(status.late_p999_us)} \u00b5s`);
+    write("step", median_us === null || longest_us === null ? kNone
+      : `${median_us.toFixed(1)} \u00b5s, longest ${longest_us.toFixed(0)} \u00b5s`);
+    write("late", status.late_p999_us === null ? kNone : `${count(status.late_p999_us)} \u00b5s`);
     write("trips", count(status.trips));
     write("faults", faultsInWords(status.faults) || "none");
     this.notice("trip-notice", status.trip
       ? `Tripped: ${status.trip}. The force stays zero until you rearm.` : "");
+    this.notice("inside-text", status.inside === null ? ""
+      : `The hand begins inside \u201c${status.inside}\u201d, a closed surface. ` +
+        "There is no force until it has left, or stays.");
+    element("inside-notice").hidden = status.inside === null;
     write("clients", count(status.clients));
   }
 

@@ -170,6 +170,7 @@ const std::vector<std::string> kSummaryKeys{"ticks",
                                             "effects",
                                             "not_understood",
                                             "step_ns",
+                                            "step_ns_clock",
                                             "load_ms",
                                             "triangles"};
 
@@ -1350,7 +1351,10 @@ TEST_F(CommandLine, SummarisesAReplayInJson) {
   const Outcome o = expect_done(replay({"--json", "--out", folder.path("trace.csv")}));
   EXPECT_EQ(o.err, "");
   const json summary = json::parse(o.out);
-  EXPECT_EQ(keys_of(summary), sorted(kSummaryKeys));
+  auto expected = kSummaryKeys;
+  expected.emplace_back("starts_inside");
+  EXPECT_EQ(keys_of(summary), sorted(expected));
+  EXPECT_NE(summary["step_ns_clock"].get<std::string>().find("this machine"), std::string::npos);
   EXPECT_EQ(keys_of(summary["step_ns"]), sorted({"p50", "p99", "p999", "max"}));
   EXPECT_EQ(keys_of(summary["faults"]),
             sorted({"non_finite_sample", "bad_time_step", "solver_capped", "jump", "body_held",
@@ -1575,8 +1579,10 @@ TEST_F(CommandLine, PlacesTheSceneInTheDeviceFrame) {
 TEST_F(CommandLine, ComparesARunWithoutAndWithA4) {
   const Outcome o = expect_done({"run", kStar, "--virtual", "--json"});
   const json result = json::parse(o.out);
-  EXPECT_EQ(keys_of(result), sorted({"comparable", "interrupted", "plane_height_m", "reasons",
-                                     "runs", "scale", "try", "work_budget", "workspace_m"}));
+  EXPECT_EQ(keys_of(result),
+            sorted({"comparable", "interrupted", "plane_height_m", "reasons", "runs", "scale",
+                    "starts_inside", "try", "work_budget", "workspace_m"}));
+  EXPECT_TRUE(result["starts_inside"].is_null());
   EXPECT_EQ(result["work_budget"], (json{{"units", 20000}, {"unit_ns", nullptr}}));
   EXPECT_EQ(result["interrupted"], false);
   EXPECT_EQ(result["comparable"], true);
@@ -1762,6 +1768,41 @@ TEST_F(CommandLine, PrintsNoMeansForARunWithoutContact) {
   EXPECT_TRUE(result["runs"][0]["mean_contact_angle_deg"].is_null());
   EXPECT_TRUE(result["runs"][0]["share_within_30deg"].is_null());
   EXPECT_EQ(result["runs"][0]["contact_share"], 0.0);
+}
+
+// Means of nothing are neither 0 nor nan, in JSON and in text.
+TEST_F(CommandLine, SummarisesAReplayThatTouchesNothingWithoutNumbersThatDoNotExist) {
+  folder.write("far.txt", "0 0 60\n0 0 48\n");
+  const std::vector<std::string> far{"replay", kStar, "--trajectory", folder.path("far.txt")};
+  auto with_json = far;
+  with_json.emplace_back("--json");
+  const json summary = json::parse(expect_done(with_json).out);
+  for (const char* key : {"mean_penetration_m", "max_penetration_m", "mean_contact_angle_deg",
+                          "share_within_30deg"}) {
+    EXPECT_TRUE(summary[key].is_null()) << key;
+  }
+  EXPECT_EQ(summary["losses_of_contact"], 0);
+  EXPECT_EQ(summary["port_work_J"], 0.0);
+  const std::string text = expect_done(far).out;
+  EXPECT_NE(text.find("penetration mean -, max -"), std::string::npos) << text;
+  EXPECT_NE(text.find("contact angle mean -, within 30 deg -"), std::string::npos) << text;
+}
+
+TEST_F(CommandLine, MarksTheTimesOfASimulatedRunAsTimesOfTheMachine) {
+  const Outcome run = expect_not_comparable(
+      {"run", kStar, "--virtual", "--seconds", "2", "--a4", "off", "--move", "#0=0 0 50 0 0 0"});
+  EXPECT_NE(run.out.find("us (3)"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("(3) computing times of this machine"), std::string::npos) << run.out;
+}
+
+// The path begins in the middle of the star, and the force is that of before.
+TEST_F(CommandLine, NamesTheNodeInsideWhichAPathBegins) {
+  folder.write("inside.txt", "0 0 0\n0 0 0.001\n");
+  const Outcome o =
+      expect_done({"replay", kStar, "--trajectory", folder.path("inside.txt"), "--json"});
+  EXPECT_NE(o.err.find("begins inside the closed surface of node \"star\""), std::string::npos)
+      << o.err;
+  EXPECT_EQ(json::parse(o.out)["starts_inside"], "star");
 }
 
 TEST_F(CommandLine, FitsASceneToTheWorkspace) {

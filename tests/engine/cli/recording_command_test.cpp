@@ -374,7 +374,60 @@ TEST(RecordingCommand, AFullDiskEndsTheRecordingAndNotTheRun) {
   const auto check = nlohmann::json::parse(content_of(folder.path("check.txt")))[0];
   EXPECT_GT(check["ticks"], 200);
   EXPECT_LT(check["ticks"], 5'000);
-  EXPECT_TRUE(check["ending"].is_null());
+  EXPECT_EQ(check["ending"]["why"], "disk full");
+  EXPECT_EQ(check["ending"]["ticks"], check["ticks"]);
+}
+
+// The limit of the size of files acts like a full disk. In simulated time as well, each size keeps
+// what fits, and the ending says why there is no more.
+TEST(RecordingCommand, AFullDiskKeepsWhatFitsAndSaysSo) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& file, const std::string& out) {
+    return std::vector<std::string>{"run", kRecordedStar, "--virtual", "--seconds", "20", "--a4",
+                                    "on",  "--out",       out,         "--record",  file, "--json"};
+  };
+  for (const int kilobytes : {200, 300, 404, 700, 1'000}) {
+    const std::string file = std::to_string(kilobytes) + ".palpate";
+    Outcome done;
+    {
+      const test::FileSizeLimit limit(static_cast<rlim_t>(kilobytes) * 1000);
+      // The traces meet the limit as well, after the recording.
+      done = run_program(folder, run(file, "out"));
+    }
+    const Outcome checked = run_program(folder, {"recording", "check", file, "--json"});
+    ASSERT_EQ(checked.exit_code, 0) << kilobytes << checked.out << checked.err << done.err;
+    const auto check = nlohmann::json::parse(checked.out)[0];
+    EXPECT_EQ(check["ending"]["why"], "disk full") << kilobytes;
+    const auto ticks = check["ticks"].get<std::int64_t>();
+    EXPECT_GT(ticks, 1'000) << kilobytes;
+    EXPECT_LT(ticks, 20'000);
+    const Outcome replayed = run_program(folder, {"replay", file});
+    EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+    EXPECT_NE(replayed.out.find("disk full"), std::string::npos);
+    const Outcome info = run_program(folder, {"recording", "info", file});
+    EXPECT_NE(info.out.find("ended         disk full"), std::string::npos) << info.out;
+  }
+}
+
+TEST(RecordingCommand, InfoIsASummaryAndHasTheKeysOnRequest) {
+  const TemporaryFolder folder;
+  record(folder, recorded_run("a.palpate"));
+  const Outcome info = run_program(folder, {"recording", "info", "a.palpate"});
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  for (const char* text :
+       {"5000 ticks", "simulated time", "star.glb", "1000 Hz", "2 sensors, 1 actuator",
+        "gaps          none", "trips         0", "ended         end (5000 ticks, 0 dropped)"}) {
+    EXPECT_NE(info.out.find(text), std::string::npos) << text << "\n" << info.out;
+  }
+  EXPECT_EQ(info.out.find("proxy.work_budget"), std::string::npos);
+  EXPECT_LT(std::count(info.out.begin(), info.out.end(), '\n'), 20);
+  const Outcome keys = run_program(folder, {"recording", "info", "--keys", "a.palpate"});
+  EXPECT_NE(keys.out.find("proxy.work_budget"), std::string::npos);
+  const auto json = nlohmann::json::parse(
+      run_program(folder, {"recording", "info", "a.palpate", "--json"}).out)[0];
+  EXPECT_EQ(json["ticks"], 5000);
+  EXPECT_EQ(json["gaps"], 0);
+  EXPECT_TRUE(json["meta"].contains("proxy.work_budget"));
 }
 
 // kill -9: all but the last half second is there, and check says that there is no ending.

@@ -256,6 +256,29 @@ TEST(StabilityLimits, NameTheEncoderAsTheBound) {
   EXPECT_EQ(stability_limits(device, 0.0, {1e-3})->passive_encoder_N_per_m, kInfinity);
 }
 
+// b, B and the rate are decimal numbers that have no exact binary form: a wall at the limit of
+// their exact values is passive, and one beyond it by 1e-9 is not. 2 (b - B) / T and 2 f / D are
+// computed from whole thousandths.
+TEST(StabilityLimits, AWallAtTheLimitIsPassiveHoweverItsNumbersRound) {
+  Random random(46);
+  for (int trial = 0; trial < 20'000; ++trial) {
+    const int b = 1 + static_cast<int>(random.index(5000));
+    const int B = static_cast<int>(random.index(static_cast<std::size_t>(b)));
+    const int rate_Hz = 100 + static_cast<int>(random.index(9900));
+    const double exact = 2.0 * (b - B) * rate_Hz / 1000.0;
+    const double period_s = 1.0 / rate_Hz;
+    const auto limits = stability_limits({10.0, b / 1000.0}, B / 1000.0, {period_s});
+    ASSERT_TRUE(limits);
+    EXPECT_TRUE(limits->is_passive(exact)) << b << " " << B << " " << rate_Hz;
+    EXPECT_FALSE(limits->is_passive(exact * (1.0 + 1e-9)));
+    EXPECT_TRUE(limits->allows_passive_walls());
+  }
+  // Three tenths, computed in two ways, leave nothing.
+  const auto nothing = stability_limits({10.0, 0.1 + 0.2}, 0.3, {1e-3});
+  EXPECT_FALSE(nothing->allows_passive_walls());
+  EXPECT_EQ(nothing->passivity_bound, PassivityBound::kDamper);
+}
+
 TEST(StabilityLimits, NameTheDamperAsTheBound) {
   const StabilityLimits limits = stability_limits({0.1, 0.5}, 1.0, {1e-3}).value();
   EXPECT_EQ(limits.passive_N_per_m, 0.0);

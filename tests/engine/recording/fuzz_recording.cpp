@@ -78,7 +78,8 @@ struct Base {
     require(file && !file->begin() &&
             !file->add_block(0, static_cast<std::int64_t>(rows.size()), columns,
                              encoder.inputs(inputs)) &&
-            !file->commit() && !file->finish(static_cast<std::int64_t>(rows.size()), 0, "end"));
+            !file->commit() &&
+            !file->add_ending(static_cast<std::int64_t>(rows.size()), 0, "end") && file->close());
   }
 };
 

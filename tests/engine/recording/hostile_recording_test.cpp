@@ -85,7 +85,8 @@ Blocks make_recording(const std::string& path, int blocks, Random& random) {
     tick += ticks;
   }
   EXPECT_FALSE(file->commit());
-  EXPECT_FALSE(file->finish(tick, 0, "end"));
+  EXPECT_FALSE(file->add_ending(tick, 0, "end"));
+  EXPECT_TRUE(file->close());
   return made;
 }
 

@@ -321,6 +321,52 @@ TEST(Recorder, EndsAtTheLimitOfTheProcess) {
   for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i].record.tick, i);
 }
 
+// The ticks of a session on disks of several sizes, in real and in simulated time: what fits is
+// kept, the ending says that the disk was full, and its numbers are true.
+TEST(Recorder, AFullDiskKeepsWhatFitsAndHasAnEnding) {
+  const TemporaryFolder folder;
+  constexpr std::uint64_t kTicks = 12'000;
+  for (const bool virtual_time : {true, false}) {
+    for (rlim_t bytes = 250'000; bytes < 900'000; bytes += 73'000) {
+      const std::string path =
+          folder.path(std::to_string(bytes) + (virtual_time ? "v" : "r") + ".palpate");
+      const pid_t child = ::fork();
+      if (child == 0) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit limit{bytes, bytes};
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+        auto recorder = made(path, {.virtual_time = virtual_time});
+        test::Random random(3);
+        for (std::uint64_t tick = 0; tick < kTicks && !recorder->has_failed(); ++tick) {
+          RecordedTick row = plain_row(tick);
+          for (auto* vector : {&row.record.goal_scene_m, &row.record.proxy_scene_m,
+                               &row.record.device_m, &row.record.force_device_N}) {
+            for (double& number : *vector) number = random.uniform(0, 1);
+          }
+          recorder->on_tick(row.record, row.reading);
+          if (!virtual_time) std::this_thread::sleep_for(100us);
+        }
+        ::_exit(recorder->finish("end").error ? 0 : 1);
+      }
+      int status = 0;
+      ASSERT_EQ(::waitpid(child, &status, 0), child);
+      ASSERT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+      EXPECT_EQ(WEXITSTATUS(status), 0) << bytes;
+      const auto rows = read_back(path).rows;
+      EXPECT_GT(rows.size(), 200u) << bytes;
+      for (std::size_t i = 0; i < rows.size(); ++i) ASSERT_EQ(rows[i].record.tick, i);
+      const auto reader = RecordingReader::open(path);
+      ASSERT_TRUE(reader);
+      const auto ending = reader->ending();
+      ASSERT_TRUE(ending);
+      ASSERT_TRUE(*ending) << bytes << (virtual_time ? " simulated" : " real");
+      EXPECT_EQ((*ending)->why, kDiskFull);
+      EXPECT_EQ((*ending)->ticks, static_cast<std::int64_t>(rows.size()));
+      EXPECT_EQ((*ending)->dropped, 0);
+    }
+  }
+}
+
 // A session under real time, whose late ticks and measured times are whatever they are.
 TEST(Recorder, RecordsARealTimeSessionThatReplays) {
   const TemporaryFolder folder;

@@ -142,7 +142,8 @@ void change_bit(const std::string& from, const std::string& to, std::uint64_t ti
                                  encoder.columns(step.content.rows), step.frames.inputs));
   }
   ASSERT_FALSE(file->commit());
-  ASSERT_FALSE(file->finish(1, 0, "end"));
+  ASSERT_FALSE(file->add_ending(1, 0, "end"));
+  EXPECT_TRUE(file->close());
 }
 
 // Only computed columns are compared, and the first difference has its tick, its column and both

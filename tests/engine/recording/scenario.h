@@ -163,8 +163,9 @@ class Switches final : public BeforeTick {
  public:
   Switches(std::uint64_t seed, double per_tick) : random_(seed), per_tick_(per_tick) {}
   void before_tick(double, LoopChanges changes) noexcept override {
+    if (free_ticks_ > 0 && --free_ticks_ == 0) changes.hold_hand();
     if (random_.uniform(0, 1) >= per_tick_) return;
-    switch (static_cast<int>(random_.uniform(0, 5))) {
+    switch (static_cast<int>(random_.uniform(0, 6))) {
       case 0:
         changes.set_a4(random_.uniform(0, 1) < 0.6);
         break;
@@ -181,6 +182,10 @@ class Switches final : public BeforeTick {
         }
         break;
       }
+      case 4:
+        changes.free_hand();
+        free_ticks_ = 20;
+        break;
       default:
         changes.refuse_body_pose();
         break;
@@ -190,6 +195,7 @@ class Switches final : public BeforeTick {
  private:
   Random random_;
   double per_tick_;
+  int free_ticks_ = 0;
 };
 
 // Keeps every tick that a recorder gets, and passes it on.

@@ -132,6 +132,7 @@ TEST(PageRequests, AreReadWithTheirValues) {
             "full");
   EXPECT_EQ(std::get<bool>(parsed(R"({"type":"pause","value":true,"id":1})").value), true);
   EXPECT_EQ(parsed(R"({"type":"start"})").id, std::nullopt);
+  EXPECT_EQ(parsed(R"({"type":"stay","id":6})").kind, PageRequest::Kind::kStay);
 }
 
 TEST(PageRequests, MayBeNestedEightDeepAndNoDeeper) {

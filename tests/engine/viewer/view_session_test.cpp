@@ -2,6 +2,7 @@
 
 #include "engine/viewer/view_session.h"
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -85,6 +86,92 @@ struct Viewed {
   std::vector<BodyPose> poses;
   PointerMessage pointer;
 };
+
+// A person who holds the tip of a device at one place.
+class HeldTip final : public GuardableDevice {
+ public:
+  HeldTip() {
+    description_.name = "a device of a test";
+    description_.sensed_axes = 3;
+    description_.motor_count = 3;
+    for (std::size_t k = 0; k < 3; ++k) {
+      description_.motors[k].direction_device = {};
+      description_.motors[k].direction_device[k] = 1.0;
+      description_.motors[k].peak_force_N = description_.motors[k].continuous_force_N = 3.0;
+    }
+    description_.workspace_low_m.fill(-1.0);
+    description_.workspace_high_m.fill(1.0);
+  }
+  const DeviceDescription& description() const noexcept override { return description_; }
+  DeviceSample read(double) noexcept override {
+    DeviceSample sample;
+    sample.position_m = {0.0, 0.0, height_m.load()};
+    sample.sequence = ++sequence_;
+    return sample;
+  }
+  void command(const DeviceCommand& command) noexcept override {
+    for (const double force_N : command.force_N) {
+      if (force_N != 0.0) has_pushed = true;
+    }
+  }
+  int descriptor() const noexcept override { return -1; }
+  std::vector<std::uint8_t> zero_bytes() const override { return {}; }
+  void set_guard(WriteGuard*) noexcept override {}
+  std::string summary() const override { return {}; }
+
+  std::atomic<double> height_m{0.0};
+  std::atomic<bool> has_pushed{false};
+
+ private:
+  DeviceDescription description_;
+  std::uint64_t sequence_ = 0;
+};
+
+// The status of a session whose device begins in the middle of the sphere: `inside` once it is
+// known.
+struct HeldInside {
+  HeldInside() : scene(loaded("sphere.glb")) {
+    ViewSettings settings = named("a sphere");
+    settings.has_guard = false;
+    settings.without_realtime = true;
+    session = std::move(*ViewSession::create(scene, setup_of(3, 3), settings, &tip));
+    EXPECT_FALSE(session->start());
+  }
+  nlohmann::json inside() const { return nlohmann::json::parse(session->status(1))["inside"]; }
+  bool wait_for_inside(bool is_inside) const {
+    const auto end = std::chrono::steady_clock::now() + kLongest;
+    while (inside().is_null() == is_inside && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return inside().is_null() != is_inside;
+  }
+  std::optional<std::string> stay() const {
+    PageRequest request;
+    request.kind = PageRequest::Kind::kStay;
+    return session->carry_out(request);
+  }
+
+  Scene scene;
+  HeldTip tip;
+  std::unique_ptr<ViewSession> session;
+};
+
+TEST(ViewSession, NamesTheNodeInsideWhichAPersonBeginsUntilThePersonHasLeft) {
+  HeldInside held;
+  ASSERT_TRUE(held.wait_for_inside(true));
+  EXPECT_EQ(held.inside(), held.scene.objects().front().name);
+  held.tip.height_m = 0.9;
+  EXPECT_TRUE(held.wait_for_inside(false));
+  EXPECT_FALSE(held.tip.has_pushed);
+  EXPECT_TRUE(held.stay()) << "nobody is inside";
+}
+
+TEST(ViewSession, APersonWhoBeginsInsideCanStay) {
+  HeldInside held;
+  ASSERT_TRUE(held.wait_for_inside(true));
+  EXPECT_EQ(held.stay(), std::nullopt);
+  EXPECT_TRUE(held.wait_for_inside(false));
+}
 
 TEST(ViewSession, RestsInFrontOfTheSceneUntilAPointerComes) {
   const Scene scene = loaded("star.glb");

@@ -131,6 +131,7 @@ class FixedModel final : public ViewModel {
                 {"faults", json::object()},
                 {"clients", clients},
                 {"paused", true},
+                {"inside", nullptr},
                 {"pending", false},
                 {"settings", {{"axes", axes()}}}}
         .dump();
