@@ -82,21 +82,6 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kMaxLength = 60;
-  std::size_t length = std::min(kMaxLength, text.size());
-  // A character of several bytes is not cut.
-  const auto continues = [&](std::size_t i) {
-    return i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80;
-  };
-  while (length > 0 && length < text.size() && continues(length)) --length;
-  std::string shown(text.substr(0, length));
-  for (char& c : shown) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return "\"" + shown + (text.size() > length ? "...\"" : "\"");
-}
-
 Separator separator_of_header(std::string_view line) {
   if (has_outside(line, ';')) return Separator::kSemicolon;
   if (has_outside(trimmed(line), '\t')) return Separator::kTab;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/base/file_roles.h"
+#include "geometry/base/quoted.h"
 #include "io/decimal_time.h"
 #include "io/measuring_units.h"
 #include "io/text_fields.h"

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "geometry/base/quoted.h"
 #include "io/column_names.h"
 
 namespace palpate {

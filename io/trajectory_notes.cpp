@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "geometry/base/quoted.h"
+
 namespace palpate {
 namespace {
 
