@@ -327,7 +327,7 @@ TEST(Recorder, AFullDiskKeepsWhatFitsAndHasAnEnding) {
   const TemporaryFolder folder;
   constexpr std::uint64_t kTicks = 12'000;
   for (const bool virtual_time : {true, false}) {
-    for (rlim_t bytes = 250'000; bytes < 900'000; bytes += 73'000) {
+    for (rlim_t bytes = 250'000; bytes < 900'000; bytes += 163'000) {
       const std::string path =
           folder.path(std::to_string(bytes) + (virtual_time ? "v" : "r") + ".palpate");
       const pid_t child = ::fork();
