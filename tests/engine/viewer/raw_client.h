@@ -78,10 +78,14 @@ class RawClient {
     }
     char bytes[16384];
     const ssize_t n = ::recv(socket_, bytes, sizeof bytes, 0);
+    if (n < 0) was_reset_ = true;
     if (n <= 0) return false;
     input_.append(bytes, static_cast<std::size_t>(n));
     return true;
   }
+
+  // True if the connection ended by a reset, which may cost a client what it has not read.
+  bool was_reset() const { return was_reset_; }
 
   // True if the server has closed the connection by now.
   bool is_closed_now() {
@@ -118,6 +122,7 @@ class RawClient {
 
  private:
   int socket_;
+  bool was_reset_ = false;
   std::string input_;
 };
 

@@ -574,9 +574,11 @@ TEST(ViewServer, AnswersARequestWithABodyAndOneBehindAnother) {
     client.send("POST /live HTTP/1.1\r\nHost: " + served.host + "\r\n\r\n" +
                 std::string(20000, 'x'));
     EXPECT_EQ(status_of(client.read_to_end()), 405);
+    EXPECT_FALSE(client.was_reset());
     RawClient two(served.port);
     two.send(get_request("/", served.host) + get_request("/page.js", served.host));
     EXPECT_NE(two.read_to_end().find("the page"), std::string::npos);
+    EXPECT_FALSE(two.was_reset());
   }
 }
 
