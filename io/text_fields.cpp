@@ -82,7 +82,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-std::string in_quotes(std::string_view text) {
+std::string field_in_quotes(std::string_view text) {
   constexpr std::size_t kMaxLength = 60;
   std::size_t length = std::min(kMaxLength, text.size());
   // A character of several bytes is not cut.

@@ -43,7 +43,7 @@ bool has_ambiguous_comma(std::string_view line);
 std::string_view trimmed(std::string_view text);
 
 // Text from a file, quoted and limited to one line of a message.
-std::string in_quotes(std::string_view text);
+std::string field_in_quotes(std::string_view text);
 
 enum class NumberKind : std::uint8_t { kNumber, kOutOfRange, kNone };
 
