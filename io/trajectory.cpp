@@ -287,7 +287,7 @@ class TrajectoryReader {
     if (decimal_comma_line_ > 0 && decimal_point_line_ > 0) {
       const bool has_comma = decimal_comma_line_ >= decimal_point_line_;
       return error_here(std::string("has a decimal ") + (has_comma ? "comma" : "point") + " in " +
-                            field_in_quotes(text) + ", and line " +
+                            in_quotes(text) + ", and line " +
                             std::to_string(has_comma ? decimal_point_line_ : decimal_comma_line_) +
                             " has a decimal " + (has_comma ? "point" : "comma") +
                             "; expected one of them",
@@ -315,9 +315,9 @@ class TrajectoryReader {
       case TimeTextKind::kTime:
         break;
       case TimeTextKind::kNotFinite:
-        return error_here("time is " + field_in_quotes(*text) + "; expected a finite number");
+        return error_here("time is " + in_quotes(*text) + "; expected a finite number");
       case TimeTextKind::kOutOfRange:
-        return error_here("time is " + field_in_quotes(*text) + "; expected less than 1e12 s",
+        return error_here("time is " + in_quotes(*text) + "; expected less than 1e12 s",
                           kTimeUnitHint);
       case TimeTextKind::kNone:
         return field_error(place, fields[place], NumberKind::kNone);
@@ -340,14 +340,14 @@ class TrajectoryReader {
     const std::int64_t length_ns =
         is_first || time_fs < before_fs ? 0 : nanoseconds_between(before_fs, time_fs);
     if (!is_first && length_ns <= 0) {
-      return error_here("time " + field_in_quotes(text) + " does not increase" +
+      return error_here("time " + in_quotes(text) + " does not increase" +
                             (time_fs < before_fs ? "" : " by a nanosecond"),
                         columns_->is_trace ? "sort the lines by the column t"
                                            : "sort the lines by their time, and delete repeated "
                                              "ones");
     }
     if (!is_first && length_ns >= std::numeric_limits<std::int64_t>::max() - times_ns.back()) {
-      return error_here("time " + field_in_quotes(text) +
+      return error_here("time " + in_quotes(text) +
                             " is more than 292 years after the first one; expected a shorter path",
                         kTimeUnitHint);
     }
@@ -370,7 +370,7 @@ class TrajectoryReader {
     const std::string column = "column " + std::to_string(place + 1) + " ";
     if (field.text.empty()) return error_here(column + "is empty; expected a number");
     const std::string problem =
-        column + "is " + field_in_quotes(field.text) + "; expected a number" +
+        column + "is " + in_quotes(field.text) + "; expected a number" +
         (kind == NumberKind::kOutOfRange ? " within the range of a double" : "");
     const bool has_comma = field.text.find(',') != std::string_view::npos;
     return error_here(

@@ -26,7 +26,7 @@ HeaderReading refused(std::string problem, std::string hint = kColumnsHint) {
 std::string list_of(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + field_in_quotes(names[i]);
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + in_quotes(names[i]);
   }
   return text;
 }
@@ -87,7 +87,7 @@ class HeaderReader {
   }
 
   std::string column_text(std::size_t i) const {
-    return "column " + std::to_string(i + 1) + ", " + field_in_quotes(names_[i].text) + ",";
+    return "column " + std::to_string(i + 1) + ", " + in_quotes(names_[i].text) + ",";
   }
 
   // Chooses the columns of one family that has x, y and z.
@@ -159,7 +159,7 @@ class HeaderReader {
       if (name.unit.empty() && !name.has_unit_in_brackets) continue;
       const auto unit = find_length_unit(name.unit);
       if (!unit) {
-        return refuse("has the unit " + field_in_quotes(name.unit) + " in " + column_text(i) +
+        return refuse("has the unit " + in_quotes(name.unit) + " in " + column_text(i) +
                           " which is no known unit of length; expected " +
                           std::string(kLengthUnits),
                       "convert the positions to metres, or correct the unit");
@@ -212,9 +212,8 @@ class HeaderReader {
     if (!name.unit.empty() || name.has_unit_in_brackets) {
       const auto unit = find_time_unit(name.unit);
       if (unit) return columns_.time_unit = *unit, true;
-      return refuse("has the unit " + field_in_quotes(name.unit) + " in " +
-                        column_text(*columns_.time) + " which is no known unit of time; expected " +
-                        std::string(kTimeUnits),
+      return refuse("has the unit " + in_quotes(name.unit) + " in " + column_text(*columns_.time) +
+                        " which is no known unit of time; expected " + std::string(kTimeUnits),
                     "convert the times to seconds, or correct the unit");
     }
     // "seconds" and "ms" are a name and a unit.
@@ -274,7 +273,7 @@ CommentReading read_stated_units(const std::vector<std::string_view>& words) {
   }
   const bool has_known = reading.length || reading.time;
   if (!are_units && !has_known && unknown == 1 && words.end() - speaks == 2) {
-    reading.problem = "states the unit " + field_in_quotes(words.back()) +
+    reading.problem = "states the unit " + in_quotes(words.back()) +
                       ", which is no known unit of length; expected " + std::string(kLengthUnits);
   }
   return reading;
@@ -322,7 +321,7 @@ CommentReading read_unit_of_positions(std::string_view comment,
       reading.length = find_length_unit(words[i]);
       const bool is_foreign = before == '[' || is_foreign_unit(words[i]);
       if (is_foreign && !reading.length && !find_time_unit(words[i])) {
-        reading.problem = "states the unit " + field_in_quotes(words[i]) +
+        reading.problem = "states the unit " + in_quotes(words[i]) +
                           ", which is no known unit of length; expected " +
                           std::string(kLengthUnits);
         return reading;
@@ -347,7 +346,7 @@ HeaderReading read_header(std::string_view line) {
   }
   HeaderReading reading = HeaderReader(read_column_names(line, separator), separator).read();
   if (!reading.columns)
-    reading.problem = "is the header " + field_in_quotes(line) + ", which " + reading.problem;
+    reading.problem = "is the header " + in_quotes(line) + ", which " + reading.problem;
   return reading;
 }
 

@@ -73,7 +73,7 @@ std::vector<std::string> trajectory_notes(const TrajectoryFacts& facts) {
     std::erase(names, "");
     std::string text;
     for (std::size_t i = 0; i < std::min(names.size(), kMostNames); ++i) {
-      text += (i > 0 ? ", " : "") + field_in_quotes(names[i]);
+      text += (i > 0 ? ", " : "") + in_quotes(names[i]);
     }
     if (names.size() > kMostNames) {
       text += " and " + std::to_string(names.size() - kMostNames) + " more";
