@@ -73,9 +73,9 @@ TEST(SceneContent, EveryCommandSaysWhatOfTheFileIsNotFelt) {
   const TemporaryFolder folder;
   write_scenes(folder);
   const std::vector<std::vector<std::string>> commands = {
-      {"run", "scenes.glb", "--scene", "1", "--virtual", "--seconds", "0.2", "--a4", "off"},
+      {"run", "scenes.glb", "--scene", "1", "--virtual", "--seconds", "2", "--a4", "off"},
       {"replay", "scenes.glb", "--scene", "far", "--trajectory", "path.txt"},
-      {"soak", "scenes.glb", "--scene", "1", "--seconds", "0.2"},
+      {"soak", "scenes.glb", "--scene", "1", "--minutes", "0.01"},
   };
   for (const auto& command : commands) {
     const Outcome outcome = run_program(folder, command);
@@ -137,7 +137,7 @@ TEST(SceneContent, ARecordingOfAChosenSceneReplaysToTheBit) {
   const TemporaryFolder folder;
   write_scenes(folder);
   const Outcome run =
-      run_program(folder, {"run", "scenes.glb", "--scene", "far", "--virtual", "--seconds", "1",
+      run_program(folder, {"run", "scenes.glb", "--scene", "far", "--virtual", "--seconds", "2",
                            "--a4", "off", "--record", "a.palpate"});
   ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 3) << run.err;
   EXPECT_EQ(run_program(folder, {"replay", "a.palpate"}).exit_code, 0);
