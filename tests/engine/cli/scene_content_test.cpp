@@ -75,7 +75,7 @@ TEST(SceneContent, EveryCommandSaysWhatOfTheFileIsNotFelt) {
   const std::vector<std::vector<std::string>> commands = {
       {"run", "scenes.glb", "--scene", "1", "--virtual", "--seconds", "2", "--a4", "off"},
       {"replay", "scenes.glb", "--scene", "far", "--trajectory", "path.txt"},
-      {"soak", "scenes.glb", "--scene", "1", "--minutes", "0.01"},
+      {"soak", "scenes.glb", "--scene", "1", "--minutes", "0.04"},
   };
   for (const auto& command : commands) {
     const Outcome outcome = run_program(folder, command);
