@@ -57,7 +57,7 @@ struct Seams {
 //
 // The search costs almost nothing if no surface has such vertices or if there is only one surface.
 // Otherwise its cost is O(n log n) in the number of surfaces, plus O(1) for each vertex of the
-// surfaces that may touch an open surface. The ledger checks the temporary memory: up to 24 bytes
+// surfaces that may touch an open surface. The ledger checks the temporary memory: up to 27 bytes
 // for each boundary vertex of these surfaces, and about 200 bytes for each vertex near another
 // surface. Deterministic.
 Result<Seams> find_seams(const std::vector<WeldedSurface>& meshes,

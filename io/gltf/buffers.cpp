@@ -23,6 +23,24 @@ bool is_lfs_pointer(const FileBytes& bytes) {
   return text.starts_with(kLfsPointerStart);
 }
 
+bool is_data_uri(std::string_view uri) {
+  return uri.starts_with(kDataScheme);
+}
+
+// The error of a file that a URI names.
+Error of_file(const std::string& uri, Error error) {
+  error.problem = "the file " + in_quotes(uri) + " " + error.problem;
+  if (error.hint.empty()) error.hint = "put the file beside the asset";
+  return error;
+}
+
+Error too_short(std::size_t buffer, std::uint64_t bytes, std::uint64_t expected) {
+  return gltf_invalid(
+      gltf_element("buffers", buffer, "byteLength"),
+      "is " + std::to_string(expected) + ", but its data have " + std::to_string(bytes) + " bytes",
+      "the data may be truncated");
+}
+
 Result<FileBytes> data_uri_bytes(std::string_view uri) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(kBase64Marker)) {
@@ -38,28 +56,29 @@ Result<FileBytes> data_uri_bytes(std::string_view uri) {
 
 }  // namespace
 
-GltfBuffers::GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
-                         std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder,
+GltfBuffers::GltfBuffers(std::vector<GltfBufferDeclaration> declarations, const GltfSource& source,
+                         std::optional<GltfRange> bin_chunk, std::string folder,
                          MemoryLedger* memory)
-    : bin_chunk_(bin_chunk), folder_(std::move(folder)), memory_(memory) {
+    : source_(source), bin_chunk_(bin_chunk), folder_(std::move(folder)), memory_(memory) {
   buffers_.reserve(declarations.size());
   for (auto& declaration : declarations) buffers_.push_back({std::move(declaration), {}, false});
 }
 
 Result<std::span<const std::uint8_t>> GltfBuffers::bytes(std::size_t index) {
-  const auto source = source_bytes(index);
-  if (!source) return source.error();
-  const std::uint64_t expected = buffers_[index].declaration.byte_length;
+  Buffer& buffer = buffers_[index];
+  if (!buffer.loaded) {
+    auto loaded = load(index);
+    if (!loaded) return loaded.error();
+    buffer.part = std::move(*loaded);
+    buffer.loaded = true;
+  }
+  const std::uint64_t expected = buffer.declaration.byte_length;
   if (expected == 0) {
     return gltf_invalid(gltf_element("buffers", index, "byteLength"), "is 0; expected 1 or more");
   }
-  if (expected > source->size()) {
-    return gltf_invalid(gltf_element("buffers", index, "byteLength"),
-                        "is " + std::to_string(expected) + ", but its data have " +
-                            std::to_string(source->size()) + " bytes",
-                        "the data may be truncated");
-  }
-  return source->first(static_cast<std::size_t>(expected));
+  if (expected > buffer.part.bytes.size())
+    return too_short(index, buffer.part.bytes.size(), expected);
+  return buffer.part.bytes.first(static_cast<std::size_t>(expected));
 }
 
 bool GltfBuffers::take_unstored(std::size_t elements) {
@@ -100,60 +119,72 @@ Result<std::span<const std::uint8_t>> GltfBuffers::part(std::size_t index,
   return whole->subspan(byte_offset, byte_length);
 }
 
-Result<std::span<const std::uint8_t>> GltfBuffers::source_bytes(std::size_t index) {
-  Buffer& buffer = buffers_[index];
-  const auto& uri = buffer.declaration.uri;
-  if (!uri) {
-    if (index == 0 && bin_chunk_) return *bin_chunk_;
-    return gltf_invalid(gltf_element("buffers", index),
-                        "has no uri and is not the BIN chunk of a GLB (buffer 0): it has no data");
-  }
-  if (!buffer.loaded) {
-    // A data URI may contain more bytes than declared; they are bounded as part of the JSON.
-    const std::uint64_t left = kMaxGltfBufferBytes - std::min(loaded_bytes_, kMaxGltfBufferBytes);
-    if (buffer.declaration.byte_length > left) {
-      return gltf_error(ErrorCode::kLimitExceeded, gltf_element("buffers", index),
-                        "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
-                            " bytes, the most that are read");
+Result<GltfSource::Part> GltfBuffers::load(std::size_t index) {
+  const GltfBufferDeclaration& declaration = buffers_[index].declaration;
+  const std::uint64_t length = declaration.byte_length;
+  if (!declaration.uri) {
+    if (index != 0 || !bin_chunk_) {
+      return gltf_invalid(
+          gltf_element("buffers", index),
+          "has no uri and is not the BIN chunk of a GLB (buffer 0): it has no data");
     }
-    const std::uint64_t length = buffer.declaration.byte_length;
-    if (auto error = take_memory({length, length}, gltf_element("buffers", index))) return *error;
-    auto loaded = read_uri(*uri, kMaxGltfFileBytes, length);
-    if (!loaded) {
-      Error error = loaded.error();
-      error.element = gltf_element("buffers", index, "uri");
-      return error;
-    }
-    loaded_bytes_ += loaded->size();
-    buffer.storage = std::move(*loaded);
-    buffer.loaded = true;
+    if (length > bin_chunk_->length) return too_short(index, bin_chunk_->length, length);
+    return source_.part({bin_chunk_->begin, length});
   }
-  return buffer.storage.span();
+  // A data URI may contain more bytes than declared; they are bounded as part of the JSON.
+  const std::uint64_t left = kMaxGltfBufferBytes - std::min(loaded_bytes_, kMaxGltfBufferBytes);
+  if (length > left) {
+    return gltf_error(ErrorCode::kLimitExceeded, gltf_element("buffers", index),
+                      "brings the buffers to more than " + std::to_string(kMaxGltfBufferBytes) +
+                          " bytes, the most that are read");
+  }
+  const auto of_uri = [&](Error error) {
+    error.element = gltf_element("buffers", index, "uri");
+    return error;
+  };
+  std::optional<RegularFile> file;
+  if (!is_data_uri(*declaration.uri)) {
+    auto opened = open_uri(*declaration.uri, kMaxGltfFileBytes);
+    if (!opened) return of_uri(opened.error());
+    file = std::move(*opened);
+    if (length > file->size()) return too_short(index, file->size(), length);
+  }
+  if (auto error = take_memory({length, length}, gltf_element("buffers", index))) return *error;
+  auto loaded = file ? file->read(0, length) : data_uri_bytes(*declaration.uri);
+  if (!loaded) return of_uri(file ? of_file(*declaration.uri, loaded.error()) : loaded.error());
+  loaded_bytes_ += loaded->size();
+  GltfSource::Part part{std::move(*loaded), {}};
+  part.bytes = part.storage.span();
+  return part;
 }
 
-Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t max_bytes,
-                                        std::uint64_t wanted_bytes) {
-  if (std::string_view(uri).starts_with(kDataScheme)) return data_uri_bytes(uri);
-  const auto file = resolve_inside(folder_, uri);
-  if (!file) return file.error();
-  // The first line identifies a pointer, so it is read even if fewer bytes are wanted.
-  auto bytes = read_regular_file(*file, max_bytes,
-                                 std::max<std::uint64_t>(wanted_bytes, kLfsPointerStart.size()));
-  if (bytes && is_lfs_pointer(*bytes)) {
+// Opens the file that a URI names, and notes that it is read.
+Result<RegularFile> GltfBuffers::open_uri(const std::string& uri, std::uint64_t max_bytes) {
+  const auto path = resolve_inside(folder_, uri);
+  if (!path) return path.error();
+  auto file = RegularFile::open(*path);
+  if (!file) return of_file(uri, file.error());
+  if (auto error = file->check_size(max_bytes)) return of_file(uri, *error);
+  const auto start = file->read(0, std::min<std::uint64_t>(file->size(), kLfsPointerStart.size()));
+  if (!start) return of_file(uri, start.error());
+  if (is_lfs_pointer(*start)) {
     return gltf_error(ErrorCode::kFileUnreadable, {},
                       "the file " + in_quotes(uri) + " is a Git LFS pointer, not the data",
                       "run git lfs pull where the asset came from");
   }
-  if (bytes) {
-    if (std::find(files_read_.begin(), files_read_.end(), *file) == files_read_.end()) {
-      files_read_.push_back(*file);
-    }
-    return bytes;
+  if (std::find(files_read_.begin(), files_read_.end(), *path) == files_read_.end()) {
+    files_read_.push_back(*path);
   }
-  Error error = bytes.error();
-  error.problem = "the file " + in_quotes(uri) + " " + error.problem;
-  if (error.hint.empty()) error.hint = "put the file beside the asset";
-  return error;
+  return file;
+}
+
+Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t max_bytes) {
+  if (is_data_uri(uri)) return data_uri_bytes(uri);
+  const auto file = open_uri(uri, max_bytes);
+  if (!file) return file.error();
+  auto bytes = file->read(0, file->size());
+  if (!bytes) return of_file(uri, bytes.error());
+  return bytes;
 }
 
 }  // namespace palpate

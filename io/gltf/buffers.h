@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +14,7 @@
 #include "geometry/base/result.h"
 #include "io/gltf/file.h"
 #include "io/gltf/limits.h"
+#include "io/gltf/source.h"
 
 namespace palpate {
 
@@ -26,14 +26,16 @@ struct GltfBufferDeclaration {
 // Not thread-safe; one per call of read_gltf().
 class GltfBuffers {
  public:
-  // folder: the folder of the asset, which must contain all external buffers. bin_chunk and memory
-  // must outlive this object; memory may be null.
-  GltfBuffers(std::vector<GltfBufferDeclaration> declarations,
-              std::optional<std::span<const std::uint8_t>> bin_chunk, std::string folder,
+  // folder: the folder of the asset, which must contain all external buffers. bin_chunk: the part
+  // of the source that is the BIN chunk. source and memory must outlive this object; memory may be
+  // null.
+  GltfBuffers(std::vector<GltfBufferDeclaration> declarations, const GltfSource& source,
+              std::optional<GltfRange> bin_chunk, std::string folder,
               MemoryLedger* memory = nullptr);
 
   // The byteLength bytes of a buffer, from the BIN chunk, a data URI (base64, any media type) or a
-  // file; no further bytes of the file are read. Valid for the lifetime of this object.
+  // file; no further bytes of the file are read, and none if the file has fewer. Valid for the
+  // lifetime of this object.
   Result<std::span<const std::uint8_t>> bytes(std::size_t buffer);
 
   // A part of the bytes of a buffer. element: the element that uses the part, for the error if the
@@ -50,11 +52,9 @@ class GltfBuffers {
   std::optional<Error> take_memory(const MemoryNeed& need, const std::string& element);
 
   // The content of a URI of the asset: a data URI (base64, any media type), or a file of at most
-  // max_bytes in the asset's folder. Returns at most the first wanted_bytes. The bytes do not count
-  // as buffer bytes. Error::element is empty.
-  Result<FileBytes> read_uri(
-      const std::string& uri, std::uint64_t max_bytes,
-      std::uint64_t wanted_bytes = std::numeric_limits<std::uint64_t>::max());
+  // max_bytes in the asset's folder. The bytes do not count as buffer bytes. Error::element is
+  // empty.
+  Result<FileBytes> read_uri(const std::string& uri, std::uint64_t max_bytes);
 
   // The paths of the files that were read so far, each once, in the order of their first use.
   const std::vector<std::string>& files_read() const { return files_read_; }
@@ -66,14 +66,16 @@ class GltfBuffers {
  private:
   struct Buffer {
     GltfBufferDeclaration declaration;
-    FileBytes storage;
+    GltfSource::Part part;
     bool loaded = false;
   };
 
-  Result<std::span<const std::uint8_t>> source_bytes(std::size_t index);
+  Result<GltfSource::Part> load(std::size_t index);
+  Result<RegularFile> open_uri(const std::string& uri, std::uint64_t max_bytes);
 
   std::vector<Buffer> buffers_;
-  std::optional<std::span<const std::uint8_t>> bin_chunk_;
+  const GltfSource& source_;
+  std::optional<GltfRange> bin_chunk_;
   std::string folder_;
   MemoryLedger* memory_;
   std::uint64_t loaded_bytes_ = 0;

@@ -18,54 +18,23 @@
 namespace palpate {
 namespace {
 
-class FileHandle {
- public:
-  explicit FileHandle(const char* path)
-      // Non-blocking, because opening a pipe otherwise waits for its writer.
-      : descriptor_(::open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)) {}
-  ~FileHandle() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  FileHandle(const FileHandle&) = delete;
-  FileHandle& operator=(const FileHandle&) = delete;
-
-  int get() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
-
 Error file_error(ErrorCode code, const std::string& path, std::string problem,
                  std::string hint = {}) {
   return {code, path, {}, std::move(problem), std::move(hint)};
 }
 
-// Reads a part of the file. If that fails, returns the byte at which reading stopped.
-std::optional<std::size_t> read_part(int descriptor, std::size_t begin, std::size_t end,
-                                     FileBytes& bytes) {
+// Reads a part of the bytes, of which the first is at `offset` in the file. If that fails, returns
+// the byte at which reading stopped.
+std::optional<std::size_t> read_part(int descriptor, std::uint64_t offset, std::size_t begin,
+                                     std::size_t end, FileBytes& bytes) {
   while (begin < end) {
-    const ssize_t got = ::pread(descriptor, &bytes[begin], end - begin, static_cast<off_t>(begin));
+    const ssize_t got =
+        ::pread(descriptor, &bytes[begin], end - begin, static_cast<off_t>(offset + begin));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return begin;
     begin += static_cast<std::size_t>(got);
   }
   return std::nullopt;
-}
-
-std::optional<Error> read_fully(int descriptor, const std::string& path, FileBytes& bytes) {
-  constexpr std::size_t kBytesWorthAThread = std::size_t{1} << 21;  // a millisecond of work
-  std::mutex mutex;
-  std::optional<std::size_t> missing;
-  run_ranges(bytes.size(), kBytesWorthAThread, [&](std::size_t begin, std::size_t end) {
-    const auto failed = read_part(descriptor, begin, end, bytes);
-    if (!failed) return;
-    const std::lock_guard lock(mutex);
-    missing = missing ? std::min(*missing, *failed) : *failed;
-  });
-  if (!missing) return std::nullopt;
-  return file_error(ErrorCode::kFileUnreadable, path,
-                    "cannot be read past byte " + std::to_string(*missing) + " of " +
-                        std::to_string(bytes.size()));
 }
 
 int hex_digit(char c) {
@@ -111,36 +80,78 @@ bool lies_inside(const std::filesystem::path& folder, const std::filesystem::pat
 
 }  // namespace
 
-Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_bytes,
-                                    std::uint64_t wanted_bytes, MemoryLedger* memory) {
+Result<RegularFile> RegularFile::open(const std::string& path) {
   if (path.find('\0') != std::string::npos) {
     return file_error(ErrorCode::kFileNotFound, path.substr(0, path.find('\0')),
                       "the name contains a zero byte");
   }
-  const FileHandle file(path.c_str());
-  if (file.get() < 0) return open_error(path, errno);
+  // Non-blocking, because opening a pipe otherwise waits for its writer.
+  RegularFile file(path, ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
+  if (file.descriptor_ < 0) return open_error(path, errno);
   struct stat status {};
-  if (::fstat(file.get(), &status) != 0) return open_error(path, errno);
+  if (::fstat(file.descriptor_, &status) != 0) return open_error(path, errno);
   if (!S_ISREG(status.st_mode)) {
     return file_error(
         ErrorCode::kFileUnreadable, path,
         S_ISDIR(status.st_mode) ? "is a folder; expected a file" : "is not a regular file");
   }
-  const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (size > max_bytes) {
-    return file_error(ErrorCode::kLimitExceeded, path,
-                      "has " + std::to_string(size) + " bytes; at most " +
-                          std::to_string(max_bytes) + " are read");
-  }
+  file.size_ = static_cast<std::uint64_t>(status.st_size);
+  return file;
+}
+
+RegularFile::RegularFile(RegularFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(other.size_) {}
+
+RegularFile& RegularFile::operator=(RegularFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+RegularFile::~RegularFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+std::optional<Error> RegularFile::check_size(std::uint64_t max_bytes) const {
+  if (size_ <= max_bytes) return std::nullopt;
+  return file_error(ErrorCode::kLimitExceeded, path_,
+                    "has " + std::to_string(size_) + " bytes; at most " +
+                        std::to_string(max_bytes) + " are read");
+}
+
+Result<FileBytes> RegularFile::read(std::uint64_t begin, std::uint64_t length) const {
+  constexpr std::size_t kBytesWorthAThread = std::size_t{1} << 21;  // a millisecond of work
+  FileBytes bytes(length);
+  std::mutex mutex;
+  std::optional<std::size_t> missing;
+  run_ranges(bytes.size(), kBytesWorthAThread, [&](std::size_t from, std::size_t to) {
+    const auto failed = read_part(descriptor_, begin, from, to, bytes);
+    if (!failed) return;
+    const std::lock_guard lock(mutex);
+    missing = missing ? std::min(*missing, *failed) : *failed;
+  });
+  if (!missing) return bytes;
+  return file_error(ErrorCode::kFileUnreadable, path_,
+                    "cannot be read past byte " + std::to_string(begin + *missing) + " of " +
+                        std::to_string(begin + length));
+}
+
+Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_bytes,
+                                    std::uint64_t wanted_bytes, MemoryLedger* memory) {
+  const auto file = RegularFile::open(path);
+  if (!file) return file.error();
+  if (auto error = file->check_size(max_bytes)) return *error;
+  const std::uint64_t length = std::min(file->size(), wanted_bytes);
   if (memory != nullptr) {
-    if (auto error = memory->take(std::min(size, wanted_bytes))) {
+    if (auto error = memory->take(length)) {
       error->path = path;
       return *error;
     }
   }
-  FileBytes bytes(std::min(size, wanted_bytes));
-  if (auto error = read_fully(file.get(), path, bytes)) return *error;
-  return bytes;
+  return file->read(0, length);
 }
 
 Result<std::string> resolve_inside(const std::string& folder, const std::string& uri) {

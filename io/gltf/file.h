@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "geometry/base/fixed_array.h"
 #include "geometry/base/memory_ledger.h"
@@ -15,6 +17,30 @@ namespace palpate {
 using FileBytes = FixedArray<std::uint8_t>;
 
 inline constexpr std::uint64_t kWholeFile = std::numeric_limits<std::uint64_t>::max();
+
+// A regular file that is open for reading. A folder, pipe, socket or device causes an error; no
+// function waits for data from it. Error::path is the given path. Thread-safe.
+class RegularFile {
+ public:
+  static Result<RegularFile> open(const std::string& path);
+  RegularFile(RegularFile&& other) noexcept;
+  RegularFile& operator=(RegularFile&& other) noexcept;
+  ~RegularFile();
+
+  // When the file was opened.
+  std::uint64_t size() const { return size_; }
+  // Requires begin + length <= size(). An error if the file has become shorter than that.
+  Result<FileBytes> read(std::uint64_t begin, std::uint64_t length) const;
+  // An error if the file has more than this number of bytes.
+  std::optional<Error> check_size(std::uint64_t max_bytes) const;
+
+ private:
+  RegularFile(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
+
+  std::string path_;
+  int descriptor_;
+  std::uint64_t size_ = 0;
+};
 
 // The first wanted_bytes of a regular file, or all of its bytes if it has fewer. A file of more
 // than max_bytes causes an error. A folder, pipe, socket or device also causes an error; the

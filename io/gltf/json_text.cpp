@@ -9,6 +9,7 @@
 
 #include "geometry/base/memory_reserve.h"
 #include "io/gltf/error.h"
+#include "io/gltf/json_spaces.h"
 
 namespace palpate {
 namespace {
@@ -121,9 +122,18 @@ Result<Json> parse_gltf_json(std::string_view text, std::vector<std::string>& wa
   if (text.find_first_not_of('\0', std::min(end, text.size())) != text.npos) {
     return gltf_invalid("JSON", "byte " + std::to_string(end) + " is zero; expected text");
   }
+  const auto spaces = long_spaces(text);
+  if (!spaces) return spaces.error();
   DocumentBuilder builder(warnings);
-  if (!Json::sax_parse(text, &builder))
-    return gltf_invalid("JSON", builder.problem().substr(0, 200));
+  const bool is_parsed = spaces->empty()
+                             ? Json::sax_parse(text, &builder)
+                             : Json::sax_parse(JsonTextIterator(text, 0, *spaces),
+                                               JsonTextIterator(text, text.size(), {}), &builder);
+  if (!is_parsed) {
+    return gltf_invalid(
+        "JSON", builder.problem().substr(0, 200),
+        spaces->empty() ? "" : "lines and columns are counted without long runs of spaces");
+  }
   if (const std::size_t others = builder.unlisted_duplicates(); others > 0) {
     warnings.push_back("JSON: " + std::to_string(others) +
                        " further keys are present more than once; the last value of each is used");

@@ -38,7 +38,9 @@ namespace palpate {
 inline constexpr std::uint64_t kMaxGltfFileBytes = std::uint64_t{1} << 30;  // per file
 inline constexpr std::uint64_t kMaxGltfBufferBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint64_t kMaxGltfJsonBytes = std::uint64_t{1} << 29;  // data URIs included
+inline constexpr std::size_t kMaxGltfChunks = std::size_t{1} << 12;         // of a GLB
 inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
+inline constexpr std::size_t kMaxGltfStringBytes = std::size_t{1} << 24;  // data URIs excepted
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
 inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;

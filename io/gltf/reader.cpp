@@ -38,6 +38,7 @@
 #include "io/gltf/prescan.h"
 #include "io/gltf/primitives.h"
 #include "io/gltf/skin.h"
+#include "io/gltf/source.h"
 #include "io/gltf/tinygltf.h"
 
 namespace palpate {
@@ -389,30 +390,37 @@ class SceneReader {
 };
 
 // As read_gltf_bytes(), but may throw, and Error::path is empty.
-Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const std::string& folder,
+Result<SceneDescription> read_asset(const GltfSource& source, const std::string& folder,
                                     const ReadOptions& options, MemoryLedger& ledger) {
-  const auto container = split_container(bytes);
+  const auto container = find_content(source);
   if (!container) return container.error();
-  if (auto error = check_json_size(container->json)) return *error;
+  auto text = source.part(container->json);
+  if (!text) return text.error();
+  const std::string_view json(reinterpret_cast<const char*>(text->bytes.data()),
+                              text->bytes.size());
+  if (auto error = check_json_size(json)) return *error;
   ledger.begin("parsing the JSON");
-  const JsonExtent extent = extent_of_json(container->json);
-  const MemoryNeed json_need = memory_of_json(container->json, extent);
+  const JsonExtent extent = extent_of_json(json);
+  const MemoryNeed json_need = memory_of_json(json, extent);
   if (auto error = ledger.take(json_need)) return *error;
   expect_available(json_need.peak);
-  const MemoryReserve reserve(memory_to_destroy(container->json, extent));
+  const MemoryReserve reserve(memory_to_destroy(json, extent));
   std::vector<std::string> warnings;
   if (container->byte_order_mark) {
     warnings.push_back("JSON: begins with a byte order mark, which is ignored");
   }
-  auto root = parse_gltf_json(container->json, warnings);
+  auto root = parse_gltf_json(json, warnings);
   if (!root) return root.error();
   if (auto error = check_asset_version(*root)) return *error;
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
-  auto sections = read_model(*root, container->json.size(), warnings);
+  source.give_back(*text);
+  text->storage = {};
+  auto sections = read_model(*root, container->json.length, warnings);
   expect_no_shortage();
   if (!sections) return sections.error();
-  GltfBuffers buffers(std::move(sections->buffers), container->bin_chunk, folder, &ledger);
+  ledger.begin("reading the file");
+  GltfBuffers buffers(std::move(sections->buffers), source, container->bin_chunk, folder, &ledger);
   if (container->misaligned) {
     warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
   }
@@ -426,11 +434,10 @@ Result<SceneDescription> read_asset(std::span<const std::uint8_t> bytes, const s
 }
 
 // Handles the exceptions that are not caused by lack of memory.
-Result<SceneDescription> read_counted(std::span<const std::uint8_t> bytes,
-                                      const std::string& folder, const ReadOptions& options,
-                                      MemoryLedger& ledger) {
+Result<SceneDescription> read_counted(const GltfSource& source, const std::string& folder,
+                                      const ReadOptions& options, MemoryLedger& ledger) {
   try {
-    return read_asset(bytes, folder, options, ledger);
+    return read_asset(source, folder, options, ledger);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::length_error&) {
@@ -453,8 +460,8 @@ Result<SceneDescription> read_gltf_bytes(std::span<const std::uint8_t> bytes,
                                          const std::string& folder, const std::string& name,
                                          const ReadOptions& options) {
   MemoryLedger ledger;
-  auto scene =
-      or_out_of_memory(ledger, [&] { return read_counted(bytes, folder, options, ledger); });
+  auto scene = or_out_of_memory(
+      ledger, [&] { return read_counted(GltfSource(bytes), folder, options, ledger); });
   if (!scene) return with_path(scene.error(), name);
   scene->path = name;
   return scene;
@@ -466,9 +473,18 @@ Result<SceneDescription> read_gltf(const std::string& path, const ReadOptions& o
   auto scene = or_out_of_memory(ledger, [&]() -> Result<SceneDescription> {
     ledger = MemoryLedger(options.memory);
     ledger.begin("reading the file");
-    const auto file = read_regular_file(path, kMaxGltfFileBytes, kWholeFile, &ledger);
+    const auto file = RegularFile::open(path);
     if (!file) return file.error();
-    return read_counted(file->span(), std::filesystem::path(path).parent_path().string(), options,
+    const GltfSource source(*file, ledger);
+    if (file->size() > kMaxGltfFileBytes) {
+      // What is no glTF is better told than its size.
+      if (const auto content = find_content(source);
+          !content && content.error().code == ErrorCode::kNotGltf) {
+        return content.error();
+      }
+      return *file->check_size(kMaxGltfFileBytes);
+    }
+    return read_counted(source, std::filesystem::path(path).parent_path().string(), options,
                         ledger);
   });
   if (!scene) return with_path(scene.error(), path);

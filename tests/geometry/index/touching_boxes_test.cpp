@@ -206,6 +206,39 @@ TEST(SharedCells, IncludeAllPointsNearOtherOwnersAndFewOthers) {
       << "an empty grid has no shared cell";
 }
 
+TEST(SharedCells, FindAllPointsOfAMeshNearAddedPointsAndFewOthers) {
+  Random random(47);
+  constexpr double kNear_m = 1e-9;
+  std::vector<Vec3> mesh;
+  for (int i = 0; i < 3000; ++i) mesh.push_back(random.in_box(1.0));
+  for (const double offset_m : {0.0, 1.0, 1e5}) {
+    SharedCells::Map map{Mat3::Zero(), offset_m * random.in_box(1.0), Vec3::Ones()};
+    for (int k = 0; k < 3; ++k) map.linear.row(k) = random.in_box(2.0).transpose();
+    const auto mapped = [&](std::size_t i) -> Vec3 {
+      return map.linear * mesh[i] + map.translation;
+    };
+    SharedCells cells(64 * kNear_m, 3000);
+    for (int i = 0; i < 3000; ++i) {
+      const bool is_near = i % 3 == 0;
+      const Vec3 p = is_near ? Vec3(mapped(random.index(mesh.size())) + random.in_box(kNear_m))
+                             : Vec3(map.linear * random.in_box(1.0) + map.translation);
+      EXPECT_TRUE(cells.add(p, 0));
+    }
+    std::vector<std::uint32_t> near;
+    cells.find_near(SharedCells::Points(mesh), map, kNear_m, near);
+    EXPECT_TRUE(std::is_sorted(near.begin(), near.end()));
+    std::size_t expected = 0;
+    for (std::uint32_t i = 0; i < mesh.size(); ++i) {
+      if (!cells.share_near(mapped(i), kNear_m, 1)) continue;
+      ++expected;
+      EXPECT_TRUE(std::binary_search(near.begin(), near.end(), i)) << "point " << i;
+    }
+    EXPECT_GT(expected, 500u);
+    // A hundredth of the marks is used, so that few others share one.
+    EXPECT_LT(near.size(), expected + mesh.size() / 10) << "offset " << offset_m;
+  }
+}
+
 TEST(SharedCells, ReportACrowdOfOneOwner) {
   SharedCells cells(1.0, 200);
   const Vec3 p(0.5, 0.5, 0.5);

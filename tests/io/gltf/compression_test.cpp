@@ -718,8 +718,8 @@ class OpenAsset {
   explicit OpenAsset(const GltfBuilder& builder)
       : json_(Json::parse(builder.json.dump())),
         bin_(builder.bin),
-        buffers_({{std::nullopt, bin_.size()}},
-                 std::span(reinterpret_cast<const std::uint8_t*>(bin_.data()), bin_.size()), ""),
+        source_(std::span(reinterpret_cast<const std::uint8_t*>(bin_.data()), bin_.size())),
+        buffers_({{std::nullopt, bin_.size()}}, source_, GltfRange{0, bin_.size()}, ""),
         views_(json_, buffers_) {
     for (const Json& view : json_["bufferViews"]) {
       tinygltf::BufferView& copy = model_.bufferViews.emplace_back();
@@ -746,6 +746,7 @@ class OpenAsset {
   Json json_;
   std::string bin_;
   tinygltf::Model model_;
+  GltfSource source_;
   GltfBuffers buffers_;
   GltfMeshoptViews views_;
 };

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/gltf/file.h"
 #include "io/gltf/limits.h"
 #include "io/gltf/reader.h"
 #include "tests/helpers/gltf_builder.h"
@@ -96,6 +97,114 @@ std::string list_of(const std::string& element, std::size_t count) {
 
 const std::string kAsset = R"("asset":{"version":"2.0"})";
 
+// --- Files that are judged before they are read --------------------------------------------------
+
+constexpr std::uintmax_t kLargeBytes = std::uintmax_t{900} << 20;
+
+// Writes a file of kLargeBytes that begins and ends with the given bytes, and zeros between them.
+std::string write_large(const TemporaryFolder& folder, const std::string& name,
+                        const std::string& start, const std::string& end = {}) {
+  const std::string path = folder.write(name, start);
+  std::filesystem::resize_file(path, kLargeBytes - end.size());
+  std::FILE* file = std::fopen(path.c_str(), "ab");
+  std::fwrite(end.data(), 1, end.size(), file);
+  std::fclose(file);
+  return path;
+}
+
+// The beginning of a GLB of kLargeBytes with a JSON chunk.
+std::string glb_start(std::uint32_t version, std::uint32_t length, std::uint32_t json_length,
+                      const std::string& type) {
+  return "glTF" + test::bytes_of(std::vector<std::uint32_t>{version, length, json_length}) + type;
+}
+
+// Reads a file, and expects an error with this text and almost no memory.
+void expect_refused_unread(const std::string& path, const std::string& text) {
+  SCOPED_TRACE(text);
+  constexpr std::size_t kAlmostNone = std::size_t{1} << 20;
+  const test::PeakMemory memory;
+  const auto scene = read_gltf(path);
+  EXPECT_LT(memory.bytes(), kAlmostNone);
+  ASSERT_FALSE(scene.ok());
+  EXPECT_NE(scene.error().to_string().find(text), std::string::npos) << scene.error().to_string();
+}
+
+TEST(HostileGltf, LargeFilesThatAreNoGltfAreRefusedByTheirFirstBytes) {
+  const TemporaryFolder folder;
+  const auto refuse = [&](const std::string& start, const std::string& text) {
+    expect_refused_unread(write_large(folder, "large", start), text);
+  };
+  constexpr auto kLength = static_cast<std::uint32_t>(kLargeBytes);
+  refuse("PK\x03\x04", "ZIP archive");
+  refuse("\x89PNG\r\n\x1a\n", "PNG image");
+  refuse("# cube\nv 0 0 1\nvn 0 0 1\n", "OBJ file");
+  refuse("solid a\nfacet normal 0 0 1\n", "STL file");
+  refuse("  <!DOCTYPE HTML>\n<html>", "HTML page");
+  refuse("version https://git-lfs.github.com/spec/v1\n", "Git LFS pointer");
+  refuse("[{}]", "JSON array");
+  refuse("unknown", "begins neither like");
+  refuse(glb_start(1, kLength, 100, "JSON"), "version is 1");
+  refuse(glb_start(2, kLength - 4, 100, "JSON"), "GLB header: its length");
+  refuse(glb_start(2, kLength, kLength, "JSON"), "GLB chunk 0: its length");
+  refuse(glb_start(2, kLength, kLength - 20, "JSON"), "JSON: has");
+  refuse(glb_start(2, kLength, kLength - 20, "BIN "), "GLB chunk 0: is not of type JSON");
+  refuse("{\"asset\":{}}  ", "JSON: has");
+}
+
+TEST(HostileGltf, LongTextsAreJudgedByTheirEnds) {
+  const TemporaryFolder folder;
+  const auto refuse = [&](const std::string& text, const std::string& expected) {
+    expect_refused_unread(folder.write("a.gltf", text), expected);
+  };
+  const std::string spaces(std::size_t{64} << 20, ' ');
+  refuse(spaces, "begins neither like");
+  refuse(spaces + "x}", "is neither a space nor one of {");
+  refuse("{" + spaces + "1}", "is neither a space nor one of \"}");
+  refuse("{\"asset\": " + spaces + "\"2.0", "does not end with }");
+}
+
+TEST(HostileGltf, OnlyTheNeededPartsOfAFileAreRead) {
+  const TemporaryFolder folder;
+  std::string bytes = test::glb_of({{"JSON", R"({"asset":{"version":"1.0"}} )"}});
+  const auto rest = static_cast<std::uint32_t>(kLargeBytes - bytes.size() - 8);
+  bytes.replace(8, 4, test::bytes_of(std::vector<std::uint32_t>{std::uint32_t{kLargeBytes}}));
+  bytes += test::bytes_of(std::vector<std::uint32_t>{rest}) + std::string("BIN\0", 4);
+  expect_refused_unread(write_large(folder, "a.glb", bytes), "/asset/version");
+}
+
+TEST(HostileGltf, ABufferThatIsShorterThanItsByteLengthIsNotRead) {
+  const TemporaryFolder folder;
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  write_large(folder, "short.bin", asset.bin);
+  Json root = asset.json;
+  root["buffers"] = {{{"byteLength", kLargeBytes + 1}, {"uri", "short.bin"}}};
+  expect_refused_unread(folder.write("a.gltf", root.dump()),
+                        "but its data have " + std::to_string(kLargeBytes) + " bytes");
+  root["buffers"] = {{{"byteLength", asset.bin.size()}, {"uri", "short.bin"}}};
+  const test::PeakMemory memory;
+  EXPECT_TRUE(read_gltf(folder.write("a.gltf", root.dump())).ok());
+  EXPECT_LT(memory.bytes(), kBaseBytes);
+}
+
+TEST(HostileGltf, AFileThatShrinksIsRefused) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.bin", std::string(1000, 'x'));
+  const auto file = RegularFile::open(path);
+  ASSERT_TRUE(file.ok());
+  std::filesystem::resize_file(path, 400);
+  const auto bytes = file->read(100, 900);
+  ASSERT_FALSE(bytes.ok());
+  EXPECT_EQ(bytes.error().code, ErrorCode::kFileUnreadable);
+  EXPECT_EQ(file->read(100, 300)->size(), 300u);
+}
+
+TEST(HostileGltf, ChunksAreLimited) {
+  std::vector<std::pair<std::string, std::string>> chunks = {
+      {"JSON", R"({"asset":{"version":"2.0"}} )"}};
+  chunks.resize(kMaxGltfChunks + 1, {"none", ""});
+  expect_refused(test::glb_of(chunks), ErrorCode::kLimitExceeded, "GLB");
+}
+
 TEST(HostileGltf, SeedsOfTheFuzzTargetAreValid) {
   for (const test::GltfSeed& seed : test::gltf_seeds()) {
     SCOPED_TRACE(seed.name);
@@ -122,6 +231,30 @@ TEST(HostileGltf, ClosedNestingIsLimitedLikeOpenNesting) {
       }
     }
   }
+}
+
+TEST(HostileGltf, LongRunsOfSpacesAreLeftOutOnlyBetweenValues) {
+  const std::string spaces = std::string(std::size_t{16} << 20, ' ') + "\r\n\t";
+  const std::string text =
+      triangle_with("\"extras\":[" + spaces + "1" + spaces + "," + spaces + "2]");
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.gltf", spaces + text + spaces);
+  EXPECT_TRUE(read_gltf(path).ok());
+  // Spaces still separate numbers, belong to strings, and the text is still checked behind them.
+  expect_invalid(triangle_with("\"extras\":[1" + spaces + "2]"), "JSON");
+  expect_invalid(triangle_with("\"extras\":[1," + spaces + "]"), "JSON");
+  const SceneDescription scene = read_or_fail(
+      triangle_with("\"nodes\":[{\"mesh\":0,\"name\":\"a" + std::string(1000, ' ') + "b\"}]"));
+  ASSERT_EQ(scene.nodes.size(), 1u);
+  EXPECT_EQ(scene.nodes[0].name, "a" + std::string(1000, ' ') + "b");
+}
+
+TEST(HostileGltf, OnlyDataUrisMayBeVeryLongStrings) {
+  const std::string body(kMaxGltfStringBytes, 'A');
+  const Outcome outcome = read_measured(triangle_with("\"extras\":\"" + body + "\""), "/nowhere");
+  ASSERT_FALSE(outcome.scene.ok());
+  EXPECT_EQ(outcome.scene.error().code, ErrorCode::kLimitExceeded);
+  read_or_fail(triangle_with("\"images\":[{\"uri\":\"data:image/png;base64," + body + "\"}]"));
 }
 
 TEST(HostileGltf, NestingUpToTheLimitIsRead) {
