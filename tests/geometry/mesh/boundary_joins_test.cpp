@@ -328,7 +328,9 @@ TEST(PointTree, FindsThePointsInABoxAndNearASegment) {
                          [&](std::uint32_t i) { return near.insert(i).second; });
       for (std::uint32_t i = 0; i < count; ++i) {
         const double t = std::clamp((points[i] - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-        if ((points[i] - a - t * (b - a)).norm() < 0.999 * margin) EXPECT_TRUE(near.contains(i));
+        if ((points[i] - a - t * (b - a)).norm() < 0.999 * margin) {
+          EXPECT_TRUE(near.contains(i));
+        }
       }
     }
   }
