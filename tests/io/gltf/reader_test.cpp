@@ -648,9 +648,10 @@ TEST(GltfReader, IgnoresUnknownChunksAndReadsUnalignedOnes) {
 TEST(GltfReader, RefusesDeepJsonWithoutOverflowingTheStack) {
   const TemporaryFolder folder;
   for (const std::size_t depth : {kMaxGltfJsonDepth + 1, std::size_t{5000000}}) {
-    for (const char* open : {"[", "{\"a\":"}) {
+    for (const auto& [open, close] : {std::pair("[", ']'), std::pair("{\"a\":", '}')}) {
       std::string text = R"({"asset":{"version":"2.0"},"extras":)";
       for (std::size_t i = 0; i < depth; ++i) text += open;
+      text += "0" + std::string(depth, close) + "}";
       const auto scene = read_gltf(GltfBuilder::write_text(folder, text));
       ASSERT_FALSE(scene.ok());
       EXPECT_EQ(scene.error().code, ErrorCode::kLimitExceeded);
