@@ -6,7 +6,7 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 install_missing_packages
 if [ "${1:-}" = view ]; then prepare_viewer release; fi
-build_preset release palpate
+build_preset release palpate palpate_distribution
 if (($# == 0)); then
   set -- run "$palpate_root/models/star.glb"
 fi

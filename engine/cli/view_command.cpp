@@ -281,12 +281,14 @@ void ViewCommand::add_page(CLI::App& app) {
                  "a host name under which a browser may reach the server, besides localhost, "
                  "127.0.0.1 and [::1]; may be repeated")
       ->expected(1)
+      ->allow_extra_args(false)  // the scene may follow
       ->take_all()
       ->group(kPageGroup);
   app.add_option("--allow-origin", request_.origins,
                  "the origin of a page that a reverse proxy serves, such as https://desk.example; "
                  "may be repeated")
       ->expected(1)
+      ->allow_extra_args(false)  // the scene may follow
       ->take_all()
       ->group(kPageGroup);
   app.add_flag("--open", request_.opens_browser, "open the page in a browser (xdg-open)")

@@ -39,6 +39,7 @@ void LiveClient::accept(const Request& request, Headers headers) {
   begin_ = std::chrono::steady_clock::now();
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) return self->drop();
+    if (self->has_ended_) return;  // dropped while the handshake ended
     self->is_open_ = true;
     self->bytes_at_message_ = self->socket_.next_layer().rate_policy().read_bytes();
     self->host_.on_open(self);
