@@ -8,8 +8,8 @@
 #include "geometry/base/quoted.h"
 #include "io/gltf/file.h"
 #include "io/gltf/json.h"
+#include "io/gltf/json_scan.h"
 #include "io/gltf/json_text.h"
-#include "io/gltf/prescan.h"
 
 namespace palpate {
 namespace {
@@ -52,12 +52,14 @@ Result<Json> parse_strict_json(std::string_view text, const std::string& path) {
     return refused("JSON", "byte " + std::to_string(zero) + " is zero; expected text");
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // some editors write the mark
-  if (auto error = check_json_size(text)) {
-    error->path = path;
-    return *error;
+  const auto scan = scan_json(text);
+  if (!scan) {
+    Error error = scan.error();
+    error.path = path;
+    return error;
   }
   std::vector<std::string> warnings;
-  auto json = parse_gltf_json(text, warnings);
+  auto json = parse_gltf_json(text, *scan, warnings);
   if (!json) return refused("JSON", without_tag(json.error().problem), json.error().hint);
   if (!warnings.empty()) {
     const std::string& warning = warnings.front();

@@ -24,7 +24,7 @@ inline constexpr std::size_t kMostNameBytes = 100;
 inline constexpr std::size_t kMostProseBytes = 2000;
 
 // Parses the text of a file; a byte order mark at its start is ignored. Errors: a zero byte, deep
-// nesting (check_json_size), a syntax error, a number beyond the range of a double, a repeated key.
+// nesting (scan_json), a syntax error, a number beyond the range of a double, a repeated key.
 // path: for Error::path.
 Result<nlohmann::json> parse_strict_json(std::string_view text, const std::string& path);
 

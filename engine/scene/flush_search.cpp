@@ -34,9 +34,11 @@ constexpr double kDivergesPerBound = 4.0;
 constexpr double kShortPerBound = 4.0;
 
 // Limit on the work of a search, in boxes examined: 5 to 10 ns each. A box that meets 26 others in
-// a grid takes 4,000. In addition, any scene may take kMostWork, a fifth of a second.
+// a grid takes 4,000, up to kMostWorkOfSurfaces for all of them, three quarters of a second. In
+// addition, any scene may take kMostWork, a fifth of a second.
 constexpr std::uint64_t kMostWork = std::uint64_t{1} << 24;
 constexpr std::uint64_t kWorkPerSurface = 4096;
+constexpr std::uint64_t kMostWorkOfSurfaces = 100'000'000;
 constexpr std::uint64_t kWorkPerFace = 64;
 
 // The vertices of a surface with at most this many are placed once; with more, whenever they are
@@ -154,7 +156,7 @@ FlushSearch::FlushSearch(const std::vector<WeldedSurface>& meshes, std::span<con
       surfaces_(surfaces),
       close_gaps_m_(close_gaps_m),
       ledger_(ledger) {
-  limit_ = kMostWork + kWorkPerSurface * surfaces.size();
+  limit_ = kMostWork + std::min(kWorkPerSurface * surfaces.size(), kMostWorkOfSurfaces);
   for (const WeldedSurface& m : meshes) limit_ += kWorkPerFace * m.face_count();
   features_.resize(meshes.size());
   first_placed_.assign(surfaces.size(), kNotPlaced);

@@ -46,21 +46,25 @@ class CutMesh {
     for (const Vec3& p : positions_) box_ = box_.united({p, p});
   }
 
-  // Adds the curves of an object to `contours` and subtracts the examined faces from faces_left.
-  // Returns false if faces_left is too small.
-  bool cut(const SceneObject& object, const AffineMap& deformation, std::size_t& faces_left,
+  // The number of faces that cut() examines for an object.
+  std::size_t examined_faces(const SceneObject& object, const AffineMap& deformation) const {
+    const PlacedMesh placed = place(object, deformation);
+    std::size_t planes = 0;
+    for (int axis = 0; axis < 3; ++axis) planes += may_cut(placed, axis) ? 1 : 0;
+    return planes * surface_.face_count();
+  }
+
+  // Adds the curves of an object to `contours`.
+  void cut(const SceneObject& object, const AffineMap& deformation,
            std::array<SceneContour, 3>& contours) {
     const PlacedMesh placed = place(object, deformation);
     for (int axis = 0; axis < 3; ++axis) {
       if (!may_cut(placed, axis)) continue;
-      if (surface_.face_count() > faces_left) return false;
-      faces_left -= surface_.face_count();
       if (faces_.empty()) faces_ = surface_.faces();
       find_sides(placed, axis);
       find_cut_faces();
       if (!cut_faces_.empty()) add_curves(placed, axis, contours[axis]);
     }
-    return true;
   }
 
  private:
@@ -166,6 +170,21 @@ std::vector<std::size_t> objects_by_mesh(const Scene& scene) {
   return order;
 }
 
+// Calls visit(mesh, index of the object) for all objects, those of one mesh after another, until it
+// returns false. Returns whether it never did.
+template <typename Visit>
+bool visit_objects(const Scene& scene, const Vec3& centre_scene_m, Visit visit) {
+  std::optional<CutMesh> mesh;
+  std::optional<std::size_t> mesh_id;
+  for (const std::size_t i : objects_by_mesh(scene)) {
+    const std::size_t id = scene.objects()[i].mesh;
+    if (mesh_id != id) mesh.emplace(scene.mesh(id), centre_scene_m);
+    mesh_id = id;
+    if (!visit(*mesh, i)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<std::array<SceneContour, 3>> scene_contours(const Scene& scene,
@@ -174,15 +193,19 @@ std::optional<std::array<SceneContour, 3>> scene_contours(const Scene& scene,
   const Vec3 centre_scene_m = 0.5 * bounds.low + 0.5 * bounds.high;
   std::array<SceneContour, 3> contours;
   for (int axis = 0; axis < 3; ++axis) contours[axis].offset_m = centre_scene_m[axis];
+  // The faces are counted first, so that what would take too long takes no time.
   std::size_t faces_left = most_faces;
-  std::optional<CutMesh> mesh;
-  std::optional<std::size_t> mesh_id;
-  for (const std::size_t i : objects_by_mesh(scene)) {
-    const SceneObject& object = scene.objects()[i];
-    if (mesh_id != object.mesh) mesh.emplace(scene.mesh(object.mesh), centre_scene_m);
-    mesh_id = object.mesh;
-    if (!mesh->cut(object, scene.deformation(i), faces_left, contours)) return std::nullopt;
-  }
+  const bool is_cheap = visit_objects(scene, centre_scene_m, [&](CutMesh& mesh, std::size_t i) {
+    const std::size_t faces = mesh.examined_faces(scene.objects()[i], scene.deformation(i));
+    const bool is_enough = faces <= faces_left;
+    faces_left -= is_enough ? faces : 0;
+    return is_enough;
+  });
+  if (!is_cheap) return std::nullopt;
+  visit_objects(scene, centre_scene_m, [&](CutMesh& mesh, std::size_t i) {
+    mesh.cut(scene.objects()[i], scene.deformation(i), contours);
+    return true;
+  });
   return contours;
 }
 

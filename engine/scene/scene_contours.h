@@ -22,8 +22,8 @@ struct SceneContour {
 };
 
 // The default limit on the number of faces examined, for all nodes and planes together. The
-// examination of this many faces takes one or two seconds.
-inline constexpr std::size_t kMostContourFaces = std::size_t{1} << 28;
+// examination of this many faces takes about half a second.
+inline constexpr std::size_t kMostContourFaces = std::size_t{1} << 25;
 
 // For each axis, cuts all nodes by the plane perpendicular to this axis through the centre of the
 // scene's bounding box. A curve ends at the boundary of its node, as in plane_section() and in

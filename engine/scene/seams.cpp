@@ -1,6 +1,7 @@
 #include "engine/scene/seams.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -85,6 +86,7 @@ struct Placed {
   double rounding_m = 0.0;  // bound on the error of its vertices, see kRoundoffPerTransform
   double apart_m = 0.0;     // bound on the distance of its index, see kFrameRoundoff
   std::vector<std::uint32_t> joining;  // SeamSurface::met and the boundary; empty without met
+  std::size_t first_shared = 0;        // of its vertices in SeamSearch::is_shared_
   std::vector<std::uint32_t> inner;    // vertices inside the boundary near other boundaries
 
   Placed(const SeamSurface& s, const Vec3& anchor_scene_m)
@@ -290,13 +292,8 @@ class SeamSearch {
     if (auto error = ledger_.check(SharedCells::bytes(most))) return error;
     SharedCells cells(kCellPerJoin * most_m_, most);
     std::erase_if(near_, [&](std::uint32_t s) {
-      const std::vector<std::uint32_t>& own = joining(s);
-      constexpr std::size_t kAhead = 8;  // vertices whose cells are fetched in advance
-      bool is_added = true;
-      for (std::size_t i = 0; i < own.size() && is_added; ++i) {
-        if (i + kAhead < own.size()) cells.fetch(vertex(s, own[i + kAhead]));
-        is_added = cells.add(vertex(s, own[i]), s);
-      }
+      const bool is_added = visit_blocks(
+          s, [&](std::size_t, std::span<const Vec3> points) { return cells.add_all(points, s); });
       if (!is_added) seams_.crowded.push_back(s);
       return !is_added;
     });
@@ -307,8 +304,7 @@ class SeamSearch {
       if (auto error = ledger_.check(SharedCells::bytes(most) + listed)) return error;
     }
     if (!cells.may_be_shared()) return std::nullopt;
-    std::size_t shared = 0;
-    visit_shared(cells, [&](std::uint32_t, const Vec3&) { ++shared; });
+    const std::size_t shared = mark_shared(cells);
     if (shared == 0) return std::nullopt;
     most_candidates_ = shared + inner;
     if (auto error = ledger_.check(SharedCells::bytes(most) + bytes_of_search(shared))) {
@@ -317,8 +313,12 @@ class SeamSearch {
     points_.reserve(shared);
     places_.reserve(most_candidates_);
     memberships_.reserve(most_candidates_);
-    visit_shared(cells, [&](std::uint32_t s, const Vec3& p) { points_.push_back({s, p}); });
-    shared_cells_.emplace(std::move(cells));
+    for (const std::uint32_t s : near_) {
+      const std::vector<std::uint32_t>& own = joining(s);
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        if (is_shared(s, i)) points_.push_back({s, vertex(s, own[i])});
+      }
+    }
     return std::nullopt;
   }
 
@@ -346,15 +346,40 @@ class SeamSearch {
     return inner;
   }
 
-  // Calls visit(surface, position) for the boundary points in shared cells.
+  // Calls visit(index of the first one, positions) for blocks of the vertices of joining(s), until
+  // it returns false. Returns whether it never did.
   template <typename Visit>
-  void visit_shared(const SharedCells& cells, Visit visit) {
-    for (const std::uint32_t s : near_) {
-      for (const std::uint32_t v : joining(s)) {
-        const Vec3 p = vertex(s, v);
-        if (cells.is_shared(p)) visit(s, p);
-      }
+  bool visit_blocks(std::uint32_t s, Visit visit) {
+    const std::vector<std::uint32_t>& own = joining(s);
+    std::array<Vec3, SharedCells::kMostAtOnce> points;
+    for (std::size_t first = 0; first < own.size(); first += points.size()) {
+      const std::size_t count = std::min(own.size() - first, points.size());
+      for (std::size_t i = 0; i < count; ++i) points[i] = vertex(s, own[first + i]);
+      if (!visit(first, std::span<const Vec3>(points).first(count))) return false;
     }
+    return true;
+  }
+
+  // Notes which boundary points are in shared cells. Returns their number.
+  std::size_t mark_shared(const SharedCells& cells) {
+    std::size_t count = 0;
+    for (const std::uint32_t s : near_) {
+      placed_[s].first_shared = is_shared_.size();
+      is_shared_.resize(is_shared_.size() + joining(s).size(), false);
+      visit_blocks(s, [&](std::size_t first, std::span<const Vec3> points) {
+        cells.visit_shared(points, [&](std::size_t i) {
+          is_shared_[placed_[s].first_shared + first + i] = true;
+          ++count;
+        });
+        return true;
+      });
+    }
+    return count;
+  }
+
+  // Of the vertex with this index in joining(s).
+  bool is_shared(std::uint32_t s, std::size_t index) const {
+    return is_shared_[placed_[s].first_shared + index];
   }
 
   // The memory of the search after this step. A candidate rarely has more than one pair.
@@ -379,8 +404,7 @@ class SeamSearch {
     std::size_t next = 0;
     const auto add_boundary = [&](std::uint32_t end) {
       for (; next < own.size() && own[next] < end; ++next) {
-        const Vec3 p = vertex(s, own[next]);
-        if (shared_cells_->is_shared(p)) found.push_back({own[next], true, p});
+        if (is_shared(s, next)) found.push_back({own[next], true, vertex(s, own[next])});
       }
     };
     for (const std::uint32_t v : placed_[s].inner) {
@@ -469,9 +493,9 @@ class SeamSearch {
   std::vector<Placed> placed_;
   std::vector<std::uint32_t> near_;
   std::vector<std::uint32_t> near_vertices_;  // of the surface that is searched
-  std::optional<SharedCells> shared_cells_;
-  std::size_t most_candidates_ = 0;    // of all surfaces together
-  std::vector<BoundaryPoint> points_;  // in shared cells
+  std::vector<bool> is_shared_;               // of the boundary points of near_, see mark_shared()
+  std::size_t most_candidates_ = 0;           // of all surfaces together
+  std::vector<BoundaryPoint> points_;         // in shared cells
   std::vector<Place> places_;
   std::vector<Membership> memberships_;
   Seams seams_;

@@ -31,6 +31,21 @@ SharedCells::Points::Points(std::span<const Vec3> points_mesh) {
   }
 }
 
+bool SharedCells::add_all(std::span<const Vec3> points, std::uint32_t owner) {
+  std::array<std::uint64_t, kMostAtOnce> keys;
+  std::array<Mark, kMostAtOnce> marks;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    keys[i] = key_of(points[i]);
+    marks[i] = mark_at(points[i]);
+    fetch(keys[i]);
+    __builtin_prefetch(&marks_[marks[i].word], 1);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!add(keys[i], marks[i], owner)) return false;
+  }
+  return true;
+}
+
 // The slices of a block of points are found first, and their marks are fetched together: to wait
 // for the memory of one mark after another would take most of the time.
 void SharedCells::find_near(const Points& points, const Map& map, double radius_m,

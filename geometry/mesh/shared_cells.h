@@ -3,6 +3,7 @@
 // Finds the cells of space that contain points of more than one owner.
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -37,24 +38,24 @@ class SharedCells {
 
   // Adds a point of an owner to the cell of the point. All points of one owner must be added
   // consecutively. Returns false if the cell contains a crowd of this owner's points.
-  bool add(const Vec3& p, std::uint32_t owner) {
-    const Mark mark = mark_of(whole_below(along(p)));
-    marks_[mark.word] |= mark.bits;
-    const std::uint64_t key = spatial_key(spatial_cell(p, per_cell_));
-    std::uint64_t& slot = slots_[find(key)];
-    const bool is_by_another = slot != 0 && owner_of(slot) != owner;
-    const std::uint64_t count = slot == 0 || is_by_another ? 1 : count_of(slot) + 1;
-    may_be_shared_ = may_be_shared_ || is_by_another;
-    const std::uint64_t shared = is_by_another ? kIsShared : slot & kIsShared;
-    slot = tag_of(key) | std::min(count, kCrowd) << kCountBegin | shared |
-           std::uint64_t{owner} << 1 | kIsThere;
-    return count < kCrowd;
-  }
+  bool add(const Vec3& p, std::uint32_t owner) { return add(key_of(p), mark_at(p), owner); }
 
-  // Fetches the memory that add() will need for this point into the CPU cache.
-  void fetch(const Vec3& p) const {
-    const std::uint64_t key = spatial_key(spatial_cell(p, per_cell_));
-    __builtin_prefetch(&slots_[key & (slots_.size() - 1)]);
+  // The most points for the two functions below. They fetch the memory for all points into the CPU
+  // cache first: to wait for it at each point would take most of the time.
+  static constexpr std::size_t kMostAtOnce = 64;
+  // Adds points, until add() returns false for one.
+  bool add_all(std::span<const Vec3> points, std::uint32_t owner);
+  // Calls visit(i) for each point in a shared cell. All points must have been added.
+  template <typename Visit>
+  void visit_shared(std::span<const Vec3> points, Visit visit) const {
+    std::array<std::uint64_t, kMostAtOnce> keys;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      keys[i] = key_of(points[i]);
+      fetch(keys[i]);
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if ((slots_[find(keys[i])] & kIsShared) != 0) visit(i);
+    }
   }
 
   // False: no cell is shared.
@@ -121,7 +122,7 @@ class SharedCells {
   }
 
   // Space is also divided into slices as thick as a cell, across a direction in which no mesh is
-  // regular. Two bits of one word mark a slice with points; other slices may share them (a Bloom
+  // regular. Four bits of one word mark a slice with points; other slices may share them (a Bloom
   // filter in blocks: Putze, Sanders and Singler, 2007). Most points that are searched are in
   // slices without a mark, and the marks need far less memory than the slots. The hash is Fibonacci
   // hashing (Knuth, The Art of Computer Programming, 6.4).
@@ -135,10 +136,27 @@ class SharedCells {
   Mark mark_of(std::int64_t slice) const {
     const std::uint64_t product = static_cast<std::uint64_t>(slice) * 0x9e3779b97f4a7c15u;
     const std::uint64_t hash = (product ^ product >> 32) * 0xbf58476d1ce4e5b9u;
-    return {hash >> word_shift_,
-            std::uint64_t{1} << (hash >> 26 & 63u) | std::uint64_t{1} << (hash >> 20 & 63u)};
+    const auto bit = [&](int begin) { return std::uint64_t{1} << (hash >> begin & 63u); };
+    return {hash >> word_shift_, bit(26) | bit(20) | bit(14) | bit(8)};
   }
+  Mark mark_at(const Vec3& p) const { return mark_of(whole_below(along(p))); }
   bool is_marked(const Mark& mark) const { return (mark.bits & ~marks_[mark.word]) == 0; }
+
+  std::uint64_t key_of(const Vec3& p) const { return spatial_key(spatial_cell(p, per_cell_)); }
+  void fetch(std::uint64_t key) const { __builtin_prefetch(&slots_[key & (slots_.size() - 1)]); }
+
+  bool add(std::uint64_t key, const Mark& mark, std::uint32_t owner) {
+    marks_[mark.word] |= mark.bits;
+    std::uint64_t& slot = slots_[find(key)];
+    const bool is_by_another = slot != 0 && owner_of(slot) != owner;
+    const std::uint64_t count = slot == 0 || is_by_another ? 1 : count_of(slot) + 1;
+    may_be_shared_ = may_be_shared_ || is_by_another;
+    const std::uint64_t shared = is_by_another ? kIsShared : slot & kIsShared;
+    slot = tag_of(key) | std::min(count, kCrowd) << kCountBegin | shared |
+           std::uint64_t{owner} << 1 | kIsThere;
+    return count < kCrowd;
+  }
+
   // At most two thirds of the slots are used, so that the runs of slots to probe are short.
   static std::size_t slot_count(std::size_t capacity) {
     std::size_t count = 16;

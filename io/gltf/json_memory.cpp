@@ -1,37 +1,8 @@
 #include "io/gltf/json_memory.h"
 
 #include <algorithm>
-#include <array>
-
-#include "io/gltf/limits.h"
 
 namespace palpate {
-
-JsonExtent extent_of_json(std::string_view text) {
-  JsonExtent extent;
-  std::array<std::uint64_t, kMaxGltfJsonDepth + 1>
-      values{};  // so far, of each open array or object
-  std::size_t depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-      continue;
-    }
-    if (c == '"') in_string = true;
-    if (c == '{') ++extent.objects;
-    if ((c == '{' || c == '[') && depth + 1 < values.size()) values[++depth] = 1;
-    if (c == ',') ++values[depth];
-    if ((c == '}' || c == ']') && depth > 0) {
-      extent.values += values[depth];
-      extent.largest = std::max(extent.largest, values[depth]);
-      --depth;
-    }
-  }
-  return extent;
-}
 
 MemoryNeed memory_of_json(std::string_view text, const JsonExtent& extent) {
   // Upper bounds; files of 15 to 50,000 objects needed up to 30 % less.

@@ -1,15 +1,14 @@
 #pragma once
 
-// Leaves long runs of spaces out of JSON text. The JSON library keeps a copy of the spaces before
-// each value, and examines them one by one.
+// Finds long runs of spaces in JSON text, and leaves them out. The JSON library keeps a copy of the
+// spaces before each value, and examines them one by one.
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <span>
 #include <string_view>
-#include <vector>
-
-#include "geometry/base/result.h"
 
 namespace palpate {
 
@@ -18,10 +17,37 @@ struct JsonTextPart {
   std::size_t begin, end;
 };
 
-// The long runs of spaces between the values of a text, each without its last byte, in ascending
-// order. An error if a string is longer than kMaxGltfStringBytes; data URIs may be longer. Does not
-// check the grammar. Thread-safe.
-Result<std::vector<JsonTextPart>> long_spaces(std::string_view text);
+// Whether JSON allows this byte between values.
+inline bool is_json_space(char c) {
+  return (c == ' ') | (c == '\t') | (c == '\r') | (c == '\n');
+}
+
+// The first byte from `at` on for which is_end() is true, or the size of the text. Many bytes are
+// examined at once, in a loop without a branch, which compilers turn into vector instructions.
+template <typename IsEnd>
+std::size_t first_json_byte(std::string_view text, std::size_t at, IsEnd is_end) {
+  constexpr std::size_t kAtOnce = 64;
+  constexpr std::size_t kShort = 16;  // most strings and runs of spaces are shorter
+  const std::size_t short_end = std::min(text.size(), at + kShort);
+  for (; at < short_end; ++at) {
+    if (is_end(text[at])) return at;
+  }
+  while (text.size() - at >= kAtOnce) {
+    std::uint8_t found = 0;
+    for (std::size_t k = 0; k < kAtOnce; ++k) {
+      found = static_cast<std::uint8_t>(found | (is_end(text[at + k]) ? 1 : 0));
+    }
+    if (found != 0) break;
+    at += kAtOnce;
+  }
+  while (at < text.size() && !is_end(text[at])) ++at;
+  return at;
+}
+
+// The first byte from `at` on that is no space, or the size of the text.
+inline std::size_t first_json_mark(std::string_view text, std::size_t at) {
+  return first_json_byte(text, at, [](char c) { return !is_json_space(c); });
+}
 
 // Goes through the bytes of a text, without those of some parts. The text and the parts must
 // outlive it.

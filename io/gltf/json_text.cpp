@@ -113,7 +113,8 @@ class DocumentBuilder {
 
 }  // namespace
 
-Result<Json> parse_gltf_json(std::string_view text, std::vector<std::string>& warnings) {
+Result<Json> parse_gltf_json(std::string_view text, const JsonScan& scan,
+                             std::vector<std::string>& warnings) {
   if (text.starts_with("\xEF\xBB\xBF")) {  // the parser would ignore it
     return gltf_invalid("JSON", "begins with a second byte order mark; expected {");
   }
@@ -122,17 +123,16 @@ Result<Json> parse_gltf_json(std::string_view text, std::vector<std::string>& wa
   if (text.find_first_not_of('\0', std::min(end, text.size())) != text.npos) {
     return gltf_invalid("JSON", "byte " + std::to_string(end) + " is zero; expected text");
   }
-  const auto spaces = long_spaces(text);
-  if (!spaces) return spaces.error();
+  const std::vector<JsonTextPart>& spaces = scan.long_spaces;
   DocumentBuilder builder(warnings);
-  const bool is_parsed = spaces->empty()
+  const bool is_parsed = spaces.empty()
                              ? Json::sax_parse(text, &builder)
-                             : Json::sax_parse(JsonTextIterator(text, 0, *spaces),
+                             : Json::sax_parse(JsonTextIterator(text, 0, spaces),
                                                JsonTextIterator(text, text.size(), {}), &builder);
   if (!is_parsed) {
     return gltf_invalid(
         "JSON", builder.problem().substr(0, 200),
-        spaces->empty() ? "" : "lines and columns are counted without long runs of spaces");
+        spaces.empty() ? "" : "lines and columns are counted without long runs of spaces");
   }
   if (const std::size_t others = builder.unlisted_duplicates(); others > 0) {
     warnings.push_back("JSON: " + std::to_string(others) +

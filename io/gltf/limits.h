@@ -7,7 +7,8 @@
 //   the file, as it stands            its size                        kMaxGltfFileBytes
 //   external buffers and data URIs    what they declare               kMaxGltfBufferBytes
 //   compressed data, while decoded    see gltf/draco.h; views stay    kMaxGltfBufferBytes for both
-//   the JSON, parsed                  140 bytes a value               kMaxGltfJsonValues
+//   the JSON, parsed: elements        1200 bytes each                 kMaxGltfElements
+//   the JSON, parsed: other values    16 to 96 bytes each             kMaxGltfJsonMemory
 //   sections of the JSON, in the      2 KiB an element, however       kMaxGltfElements
 //   model of tinygltf                 short its text
 //   positions, while decoded          2 x 24 bytes a vertex           kMaxGltfVertices
@@ -50,6 +51,10 @@ constexpr std::size_t most_gltf_elements(std::size_t text_bytes) {
   constexpr std::size_t kOfAnyText = std::size_t{1} << 14;
   return std::min(kMaxGltfElements, kOfAnyText + text_bytes / 12);
 }
+// The most memory of the JSON library for one text: enough for five million numbers, or for 1.7
+// million keys, in extras. Not counted are the elements of glTF, which other limits bound, and the
+// text of strings.
+inline constexpr std::uint64_t kMaxGltfJsonMemory = std::uint64_t{160} << 20;
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfNodeDepth = 1024;  // 1: a root
 // Limits of the factor by which a node and its ancestors scale a mesh. Outside these limits,
@@ -60,6 +65,9 @@ inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all me
 // Elements of sparse accessors without a buffer view, which take no bytes in the file.
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
+// Triangles of meshes that are equal to others in all that the file says; further ones are read
+// once. Hand-made scenes with equal meshes have fewer.
+inline constexpr std::size_t kMaxGltfRepeatedTriangles = std::size_t{1} << 18;
 inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
 inline constexpr std::uint64_t kMaxGltfImageBytes = std::uint64_t{1} << 29;   // per file or URI
 inline constexpr std::uint32_t kMaxGltfImageSide = 8192;                      // width and height

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "io/gltf/error.h"
+#include "io/gltf/json_spaces.h"
 #include "io/gltf/known_formats.h"
 #include "io/gltf/limits.h"
 
@@ -109,8 +110,8 @@ Result<std::optional<std::uint64_t>> first_mark(const GltfSource& source, const 
   for (; skip < json.length; skip += kBlock) {
     const auto block = block_of(source, json, skip);
     if (!block) return block.error();
-    const std::size_t found = text_of(*block).find_first_not_of(kSpaces);
-    if (found != std::string_view::npos) return std::optional(skip + found);
+    const std::size_t found = first_json_mark(text_of(*block), 0);
+    if (found < block->bytes.size()) return std::optional(skip + found);
   }
   return std::optional<std::uint64_t>();
 }
@@ -243,39 +244,6 @@ Result<GltfContainer> find_content(const GltfSource& source) {
   }
   if (auto error = check_ends(source, container.json)) return *error;
   return container;
-}
-
-std::optional<Error> check_json_size(std::string_view json) {
-  if (json.size() > kMaxGltfJsonBytes) {
-    return gltf_error(ErrorCode::kLimitExceeded, "JSON",
-                      "has " + std::to_string(json.size()) + " bytes; at most " +
-                          std::to_string(kMaxGltfJsonBytes) + " are read",
-                      "store the buffers as a GLB or as .bin files");
-  }
-  std::size_t depth = 0;
-  std::size_t values = 1;
-  bool in_string = false;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const char c = json[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-      continue;
-    }
-    if (c == '"') in_string = true;
-    if (c == ',' || c == '[' || c == '{') ++values;
-    if (c == '[' || c == '{') ++depth;
-    if ((c == ']' || c == '}') && depth > 0) --depth;
-    if (depth > kMaxGltfJsonDepth) {
-      return gltf_error(ErrorCode::kLimitExceeded, "JSON byte " + std::to_string(i),
-                        "nests deeper than " + std::to_string(kMaxGltfJsonDepth) + " levels");
-    }
-    if (values > kMaxGltfJsonValues) {
-      return gltf_error(ErrorCode::kLimitExceeded, "JSON byte " + std::to_string(i),
-                        "has more than " + std::to_string(kMaxGltfJsonValues) + " values");
-    }
-  }
-  return std::nullopt;
 }
 
 }  // namespace palpate

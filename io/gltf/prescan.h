@@ -1,7 +1,6 @@
 #pragma once
 
-// The checks of a glTF file that must precede JSON parsing: the container, and the depth and the
-// number of JSON values.
+// The checks of a glTF file that must precede reading its JSON.
 
 #include <optional>
 #include <string_view>
@@ -27,9 +26,5 @@ struct GltfContainer {
 // The error for other content names its format if that is known (known_formats.h), and the encoding
 // if it is text in UTF-16 or UTF-32.
 Result<GltfContainer> find_content(const GltfSource& source);
-
-// An error if the text nests deeper than kMaxGltfJsonDepth, holds more than kMaxGltfJsonValues
-// values or is longer than kMaxGltfJsonBytes. Iterative; it does not check the grammar.
-std::optional<Error> check_json_size(std::string_view json);
 
 }  // namespace palpate

@@ -27,6 +27,7 @@
 #include "io/gltf/images.h"
 #include "io/gltf/instancing.h"
 #include "io/gltf/json_memory.h"
+#include "io/gltf/json_scan.h"
 #include "io/gltf/json_text.h"
 #include "io/gltf/limits.h"
 #include "io/gltf/materials.h"
@@ -209,7 +210,7 @@ class SceneReader {
     if (scene_.nodes.size() == first) return std::nullopt;
     const auto weights = weights_of(placed.node);
     if (!weights) return weights.error();
-    PosedMesh posed{static_cast<std::size_t>(node.mesh), std::nullopt, *weights};
+    PosedMesh posed{first_equal(static_cast<std::size_t>(node.mesh)), std::nullopt, *weights};
     if (node.skin >= 0) posed.skin = static_cast<std::size_t>(node.skin);
     const auto mesh = mesh_index(posed);
     if (!mesh) return mesh.error();
@@ -314,6 +315,33 @@ class SceneReader {
     scene_.nodes.push_back(std::move(description));
   }
 
+  // This mesh, or one used before that is equal to it in all that the file says, if meshes that are
+  // equal have many triangles together: thousands of meshes may refer to the same accessors.
+  std::size_t first_equal(std::size_t mesh) {
+    if (const auto known = first_equal_.find(mesh); known != first_equal_.end()) {
+      return known->second;
+    }
+    const auto [other, is_new] = meshes_by_text_.emplace(text_of(asset_.model.meshes[mesh]), mesh);
+    if (!is_new && asset_.model.meshes[other->second] == asset_.model.meshes[mesh] &&
+        asset_.json["meshes"][other->second] == asset_.json["meshes"][mesh] &&
+        (repeated_triangles_ += triangles_[other->second]) > kMaxGltfRepeatedTriangles) {
+      return first_equal_.emplace(mesh, other->second).first->second;
+    }
+    return first_equal_.emplace(mesh, mesh).first->second;
+  }
+
+  // Differs for almost all meshes that differ; others are read separately.
+  static std::string text_of(const tinygltf::Mesh& mesh) {
+    std::string text = mesh.name;
+    for (const tinygltf::Primitive& primitive : mesh.primitives) {
+      text += "/" + std::to_string(primitive.material) + "," + std::to_string(primitive.indices);
+      for (const auto& [name, accessor] : primitive.attributes) {
+        text += "," + name + std::to_string(accessor);
+      }
+    }
+    return text;
+  }
+
   // Reads the mesh at its first use in this pose; nothing if it has no triangle.
   Result<std::optional<std::uint32_t>> mesh_index(const PosedMesh& posed) {
     if (const auto known = meshes_.find(posed); known != meshes_.end()) return known->second;
@@ -330,6 +358,7 @@ class SceneReader {
                           is_new ? scene_.warnings : already_reported);
     if (!mesh) return mesh.error();
     std::optional<std::uint32_t> index;
+    triangles_[posed.mesh] = mesh->triangles.size();
     if (!mesh->triangles.empty()) {
       index = static_cast<std::uint32_t>(scene_.meshes.size());
       scene_.meshes.push_back(std::move(*mesh));
@@ -417,6 +446,10 @@ class SceneReader {
   PalpateExtras extras_;
   GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork};
   std::map<PosedMesh, std::optional<std::uint32_t>> meshes_;
+  std::map<std::size_t, std::size_t> first_equal_;     // of meshes, by ids in the file
+  std::map<std::size_t, std::size_t> triangles_;       // of meshes, by ids in the file
+  std::size_t repeated_triangles_ = 0;                 // of meshes equal to others
+  std::map<std::string, std::size_t> meshes_by_text_;  // those that differ
   std::set<Weights> weights_;
   std::map<std::size_t, const Weights*> default_weights_;  // by mesh id in the file
   std::set<std::pair<std::size_t, bool>> warned_;          // meshes read, and whether with a skin
@@ -456,9 +489,10 @@ Result<SceneDescription> read_asset(const GltfSource& source, const std::string&
   if (!text) return text.error();
   const std::string_view json(reinterpret_cast<const char*>(text->bytes.data()),
                               text->bytes.size());
-  if (auto error = check_json_size(json)) return *error;
+  const auto scan = scan_json(json);
+  if (!scan) return scan.error();
   ledger.begin("parsing the JSON");
-  const JsonExtent extent = extent_of_json(json);
+  const JsonExtent& extent = scan->extent;
   const MemoryNeed json_need = memory_of_json(json, extent);
   if (auto error = ledger.take(json_need)) return *error;
   expect_available(json_need.peak);
@@ -467,7 +501,7 @@ Result<SceneDescription> read_asset(const GltfSource& source, const std::string&
   if (container->byte_order_mark) {
     warnings.push_back("JSON: begins with a byte order mark, which is ignored");
   }
-  auto root = parse_gltf_json(json, warnings);
+  auto root = parse_gltf_json(json, *scan, warnings);
   if (!root) return root.error();
   if (auto error = check_asset_version(*root)) return *error;
   if (auto error = add_referenced_inputs(*root, folder)) return *error;

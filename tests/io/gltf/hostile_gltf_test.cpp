@@ -16,11 +16,13 @@
 #include <nlohmann/json.hpp>
 
 #include "io/gltf/file.h"
+#include "io/gltf/json_scan.h"
 #include "io/gltf/limits.h"
 #include "io/gltf/reader.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/gltf_seeds.h"
 #include "tests/helpers/peak_memory.h"
+#include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
@@ -247,6 +249,116 @@ TEST(HostileGltf, LongRunsOfSpacesAreLeftOutOnlyBetweenValues) {
       triangle_with("\"nodes\":[{\"mesh\":0,\"name\":\"a" + std::string(1000, ' ') + "b\"}]"));
   ASSERT_EQ(scene.nodes.size(), 1u);
   EXPECT_EQ(scene.nodes[0].name, "a" + std::string(1000, ' ') + "b");
+}
+
+// Parts of a text that has been scanned.
+std::string left_out_of(const std::string& text) {
+  const auto scan = scan_json(text);
+  if (!scan.ok()) return scan.error().to_string();
+  std::string parts;
+  for (const JsonTextPart& part : scan->long_spaces) {
+    parts += std::to_string(part.begin) + "-" + std::to_string(part.end) + " ";
+  }
+  return parts;
+}
+
+TEST(HostileGltf, OnePassOverATextFindsLongSpacesAndCountsValues) {
+  test::Random random(46);
+  for (int draw = 0; draw < 200; ++draw) {
+    // Spaces of every length around the blocks that are examined at once, between values and in
+    // strings with and without escapes.
+    std::string text = "[";
+    std::string expected;
+    std::uint64_t values = 0;
+    const auto add_spaces = [&] {
+      const std::size_t count = random.index(3) == 0 ? 200 + random.index(400) : random.index(100);
+      if (count >= 256) {
+        expected +=
+            std::to_string(text.size()) + "-" + std::to_string(text.size() + count - 1) + " ";
+      }
+      for (std::size_t i = 0; i < count; ++i) text += " \t\r\n"[random.index(4)];
+    };
+    for (std::size_t left = 1 + random.index(8); left > 0; --left) {
+      add_spaces();
+      switch (random.index(4)) {
+        case 0:
+          text +=
+              "\"" + std::string(random.index(400), ' ') + "\\\"" + std::string(300, ' ') + "\"";
+          break;
+        case 1:
+          text += "{\"a,[{\\\\\":" + std::string(random.index(200), ' ') + "1}";
+          ++values;
+          break;
+        case 2:
+          text += "\"" + std::string(random.index(200), 'x') + "\"";
+          break;
+        default:
+          text += "1.5";
+      }
+      ++values;
+      add_spaces();
+      text += left > 1 ? "," : "]";
+    }
+    SCOPED_TRACE("draw " + std::to_string(draw));
+    ASSERT_EQ(left_out_of(text), expected);
+    EXPECT_EQ(scan_json(text)->extent.values, values);
+    EXPECT_TRUE(Json::accept(text));
+  }
+}
+
+TEST(HostileGltf, ValuesOutsideTheElementsOfGltfMayNotFillTheMemory) {
+  const auto flood = [](const std::string& value, std::size_t count, const std::string& end) {
+    std::string text;
+    text.reserve(value.size() * count + 1);
+    for (std::size_t i = 0; i < count; ++i) text += value + ",";
+    text += end;
+    return text;
+  };
+  constexpr std::size_t kMany = 6'000'000;  // of any kind
+  const std::string strings = flood("\"\"", kMany, "0");
+  for (const std::string& extra :
+       {"\"extras\":[" + flood("0", kMany, "0") + "]", "\"unknown\":[" + strings + "]",
+        "\"extras\":[" + flood("[]", kMany / 2, "0") + "]",
+        "\"extras\":[" + flood("{\"a\":{}}", kMany / 4, "0") + "]",
+        "\"images\":[{\"extras\":[" + strings + "]}]"}) {
+    SCOPED_TRACE(extra.substr(0, 40));
+    const std::string text = triangle_with(extra);
+    const Outcome outcome = read_measured(text, "/nowhere");
+    ASSERT_FALSE(outcome.scene.ok());
+    EXPECT_EQ(outcome.scene.error().code, ErrorCode::kLimitExceeded);
+    EXPECT_EQ(outcome.scene.error().element, "JSON");
+    EXPECT_LT(outcome.peak_bytes, kBaseBytes);
+  }
+  read_or_fail(triangle_with("\"extras\":[" + flood("[0.5,true]", 1'000'000, "0") + "]"));
+  read_or_fail(triangle_with("\"images\":[" + flood("{\"uri\":\"a.png\"}", 1'000'000, "{}") + "]"));
+}
+
+TEST(HostileGltf, EqualMeshesOfManyTrianglesAreReadOnce) {
+  constexpr std::size_t kTriangles = kMaxGltfRepeatedTriangles / 2;
+  GltfBuilder asset;
+  const auto positions = asset.add_positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  std::vector<std::uint32_t> corners;
+  for (std::size_t i = 0; i < 3 * kTriangles; ++i) {
+    corners.push_back(static_cast<std::uint32_t>(i % 3));
+  }
+  const Json primitive = {{"attributes", {{"POSITION", positions}}},
+                          {"indices", asset.add_indices(corners)}};
+  asset.add_node({{"mesh", asset.add_mesh(Json::array({primitive}))}});
+  Json& meshes = asset.json["meshes"];
+  constexpr int kMeshes = 50;
+  for (int i = 1; i < kMeshes; ++i) {
+    meshes.push_back(Json(meshes[0]));
+    asset.add_node({{"mesh", i}});
+  }
+  meshes[kMeshes - 1]["name"] = "another";
+  const SceneDescription scene = read_or_fail(asset.glb_bytes());
+  ASSERT_EQ(scene.nodes.size(), static_cast<std::size_t>(kMeshes));
+  EXPECT_EQ(scene.meshes.size(), 4u) << "the first, two equal ones within the limit, another";
+  for (int i = 0; i < kMeshes; ++i) {
+    EXPECT_EQ(scene.nodes[i].mesh, i == kMeshes - 1 ? 3u
+                                   : i < 3          ? static_cast<std::uint32_t>(i)
+                                                    : 0u);
+  }
 }
 
 TEST(HostileGltf, OnlyDataUrisMayBeVeryLongStrings) {
