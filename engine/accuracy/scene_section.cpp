@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include "engine/report/csv.h"
 #include "engine/report/html.h"
@@ -52,6 +53,12 @@ ComparedTexts compared_texts(double stiffness_N_per_m, double limit_N_per_m, boo
 }
 ComparedTexts passivity_texts(const CouplingVerdict& v) {
   return compared_texts(v.effective_N_per_m, v.limits.passive_N_per_m, v.is_passive);
+}
+// Stable is below the limit: the other way round, a limit up to K is not.
+ComparedTexts stability_texts(const CouplingVerdict& v) {
+  ComparedTexts texts = compared_texts(v.limits.stable_N_per_m, v.effective_N_per_m, !v.is_stable);
+  std::swap(texts.stiffness, texts.limit);
+  return texts;
 }
 
 // An error, or the floor if the error is below it.
@@ -147,7 +154,7 @@ std::string stiffness_html(const SceneFindings& f) {
     table.row({html_escaped(v.surface.name), flag(v.is_passive, "passive", "not passive"),
                flag(v.is_stable, "stable", "not stable"),
                html_escaped(passivity_texts(v).stiffness), html_escaped(passivity_texts(v).limit),
-               name_of(v.limits.passivity_bound), shown(v.limits.stable_N_per_m, "N/m"),
+               name_of(v.limits.passivity_bound), html_escaped(stability_texts(v).limit),
                shown(c.stiffness_N_per_m, "N/m"), shown(c.damping_Ns_per_m, "N s/m")});
   }
   html << "<p>At " << shown(f.rate_Hz, "Hz") << ":</p>\n" << table.html();
@@ -259,8 +266,10 @@ std::string scene_text(const SceneFindings& f) {
     } else {
       text << " (passive up to " << texts.limit << "), ";
     }
-    text << (v.is_stable ? "stable" : "not stable") << " (stable below "
-         << human(v.limits.stable_N_per_m, "N/m") << ")\n";
+    const ComparedTexts stability = stability_texts(v);
+    text << (v.is_stable ? "stable" : "not stable") << " (";
+    if (stability.stiffness != texts.stiffness) text << "K " << stability.stiffness << ", ";
+    text << "stable below " << stability.limit << ")\n";
   }
   return text.str();
 }

@@ -209,15 +209,21 @@ int run(const RunRequest& command) {
   Result<OutputFiles> files = OutputFiles::create(command.out_dir, run_file_names());
   if (!files) return refuse(files.error());
   std::vector<RecordingResult> recordings;
+  // Recordings are whole also where the results cannot be written.
+  const auto refuse_results = [&recordings](const Error& error) {
+    for (const RecordingResult& recording : recordings) std::cerr << recording_text(recording);
+    for (const std::string& line : recording_warnings(recordings)) warn(line);
+    return refuse(error);
+  };
   const auto done = explore_and_write(command, *prepared, *files, recordings);
-  if (!done) return refuse(done.error());
+  if (!done) return refuse_results(done.error());
   const std::vector<ExplorationRun>& runs = *done;
   if (runs.empty()) return report_nothing_done();
   std::vector<std::string> warnings = load_warning_lines(prepared->scene);
   const Result<bool> has_picture =
       draw(runs, prepared->setup.actuation, command.scene.path, *files, warnings);
-  if (!has_picture) return refuse(has_picture.error());
-  if (const auto error = move_into_place(*files)) return refuse(*error);
+  if (!has_picture) return refuse_results(has_picture.error());
+  if (const auto error = move_into_place(*files)) return refuse_results(*error);
   if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
   for (std::string& line : recording_warnings(recordings)) warnings.push_back(std::move(line));
   const auto enclosing = object_around(prepared->scene, runs.front().records.front());
