@@ -74,6 +74,36 @@ std::string_view without_units(std::string_view name) {
   }
 }
 
+// Other words for a key, and the key, in plain letters.
+constexpr std::pair<std::string_view, std::string_view> kSynonyms[] = {
+    {"kineticfriction", "dynamicfriction"},
+    {"slidingfriction", "dynamicfriction"},
+    {"dampening", "damping"},
+    {"springconstant", "stiffness"},
+    {"springstiffness", "stiffness"},
+};
+
+std::string_view synonym_of(std::string_view plain) {
+  for (const auto& [word, key] : kSynonyms) {
+    if (word == plain) return key;
+  }
+  return {};
+}
+
+// Whether one of the names begins with the other, and they share more than the key's first word:
+// "vibrationFreq" and "dynamicFrictionMax" are meant for keys, "static" and "stiffness_map" may be
+// anything. first_word: the number of letters of the key's first word; all of them if it has one.
+bool is_abbreviation(std::string_view key, std::size_t first_word, std::string_view plain) {
+  constexpr std::size_t kLeastShared = 5;
+  const std::size_t shared = std::min(key.size(), plain.size());
+  return shared >= kLeastShared && shared > first_word &&
+         key.substr(0, shared) == plain.substr(0, shared);
+}
+
+std::size_t letters_of_first_word(std::string_view name) {
+  return static_cast<std::size_t>(std::find_if(name.begin(), name.end(), is_upper) - name.begin());
+}
+
 std::size_t most_errors(std::size_t letters) {
   return letters < kShortestNear ? 0 : std::min(kMostErrors, letters / kLettersPerError);
 }
@@ -112,7 +142,8 @@ std::size_t letter_distance(std::string_view a, std::string_view b, std::size_t 
 KeyNames::KeyNames(std::vector<KeyName> keys) : keys_(std::move(keys)) {
   for (const KeyName& key : keys_) {
     const std::string plain = plain_name(key.name);
-    compared_.push_back({plain, sorted_words(key.name), letters_of(plain)});
+    compared_.push_back(
+        {plain, sorted_words(key.name), letters_of(plain), letters_of_first_word(key.name)});
   }
 }
 
@@ -137,6 +168,15 @@ std::optional<KeyMatch> KeyNames::find(std::string_view name, unsigned owners,
     } else if (key.plain == plain || key.words == sorted_words(name)) {
       offer(keys_[i], KeyLikeness::kSpelled, 0);
     }
+  }
+  if (best) return best->second;
+  const std::string_view synonym = synonym_of(plain);
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const std::string& key = compared_[i].plain;
+    if (key == synonym) offer(keys_[i], KeyLikeness::kNear, 0);
+    if (!is_abbreviation(key, compared_[i].first_word, plain)) continue;
+    offer(keys_[i], KeyLikeness::kNear,
+          std::max(key.size(), plain.size()) - std::min(key.size(), plain.size()));
   }
   if (best) return best->second;
   for (std::size_t i = 0; i < keys_.size(); ++i) {

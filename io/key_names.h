@@ -52,8 +52,10 @@ class KeyNames {
 
   // The key that a name means; no value if no key is near. Keys with one of the owners are
   // preferred at the same likeness. A key of n letters is near a name that differs in at most n / 4
-  // letters, and at most 3, or that has a unit at its end. Keys of less than 7 letters are ordinary
-  // words and are near none.
+  // letters, and at most 3, or that has a unit at its end. Before these come other words for a key
+  // ("kineticFriction"), and names of which the key is the beginning, or the name of the key,
+  // beyond the key's first word ("vibrationFreq"). Keys of less than 7 letters are ordinary words
+  // and are near none.
   std::optional<KeyMatch> find(std::string_view name, unsigned owners, Allowance& left) const;
 
   // Why a key of an extras.palpate group is not known, and which key it means: "the key is unknown;
@@ -65,8 +67,9 @@ class KeyNames {
  private:
   struct Compared {
     std::string plain;
-    std::string words;      // its words in lower case, sorted
-    std::uint64_t letters;  // a bit for each letter or digit that occurs
+    std::string words;       // its words in lower case, sorted
+    std::uint64_t letters;   // a bit for each letter or digit that occurs
+    std::size_t first_word;  // its letters
   };
 
   std::vector<KeyName> keys_;

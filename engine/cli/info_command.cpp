@@ -1,6 +1,8 @@
 // The subcommand `info`: describes a scene.
 
 #include <iostream>
+#include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -16,6 +18,7 @@
 #include "engine/scene/node_tree.h"
 #include "engine/simulation/placed_bounds.h"
 #include "engine/simulation/workspace.h"
+#include "io/gltf/reader.h"
 
 namespace palpate {
 namespace {
@@ -39,6 +42,26 @@ std::string size_hint(const Scene& scene) {
   return text.str();
 }
 
+// The nodes of a scene that is empty because they are hidden; no value if none of them is hidden.
+std::optional<std::vector<TreeNode>> hidden_tree(const SceneOptions& scene) {
+  const auto settings = scene_settings_of(scene, 0.0);
+  if (!settings) return std::nullopt;
+  ReadOptions options;
+  options.pose = settings->pose;
+  options.scene = settings->listed_scene;
+  options.feels_hidden = settings->feels_hidden;
+  options.reads_only_tree = true;
+  auto description = read_gltf(scene.path, options);
+  if (!description) return std::nullopt;
+  if (!settings->node.empty()) {
+    const auto node = find_node(description->tree, settings->node);
+    if (!node) return std::nullopt;
+    keep_subtree(*description, *node);
+  }
+  if (description->hidden_nodes.count == 0) return std::nullopt;
+  return std::move(description->tree);
+}
+
 class InfoCommand final : public Command {
  public:
   CLI::App* add_to(CLI::App& program) override {
@@ -53,6 +76,8 @@ class InfoCommand final : public Command {
   int run(const std::vector<std::string>& arguments) override;
 
  private:
+  int print_tree(std::span<const TreeNode> tree) const;
+
   SceneOptions scene_;
   bool list_ = false;
   bool json_ = false;
@@ -60,12 +85,25 @@ class InfoCommand final : public Command {
 
 int InfoCommand::run(const std::vector<std::string>&) {
   const Result<Scene> scene = load_scene(scene_, 0.0, true);
+  if (list_ && !scene && scene.error().code == ErrorCode::kEmptyScene) {
+    const auto tree = hidden_tree(scene_);
+    return tree ? print_tree(*tree) : refuse(scene.error());
+  }
   if (!scene) return refuse(scene.error());
+  if (list_) return print_tree(scene->tree());
   if (json_) {
-    print(list_ ? tree_json(*scene) : scene_json(*scene));
+    print(scene_json(*scene));
   } else {
-    std::cout << (list_ ? scene_.path + "\n" + tree_text(scene->tree())
-                        : scene_text(scene_.path, *scene) + size_hint(*scene));
+    std::cout << scene_text(scene_.path, *scene) + size_hint(*scene);
+  }
+  return finish_output();
+}
+
+int InfoCommand::print_tree(std::span<const TreeNode> tree) const {
+  if (json_) {
+    print(tree_json(tree));
+  } else {
+    std::cout << scene_.path + "\n" + tree_text(tree);
   }
   return finish_output();
 }

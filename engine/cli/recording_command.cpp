@@ -133,6 +133,13 @@ std::string event_words(const RecordingDescription& d, const std::string& kind) 
   return std::to_string(count) + (are_all ? "" : " or more");
 }
 
+// What of the scene's file was loaded, where it is not the default.
+void add_loaded_part(const SceneSettings& scene, SummaryLines& lines) {
+  if (!scene.listed_scene.empty()) lines.add("listed scene", printable(scene.listed_scene));
+  if (!scene.node.empty()) lines.add("node", printable(scene.node));
+  if (scene.feels_hidden) lines.add("hidden nodes", "felt");
+}
+
 void add_session(const RecordingDescription& d, SummaryLines& lines) {
   const auto session = session_of(d.meta);
   lines.add("length", length_words(d.overview, session ? session->setup.dt_s : 0.0));
@@ -146,6 +153,7 @@ void add_session(const RecordingDescription& d, SummaryLines& lines) {
        << (session->setup.virtual_time ? "simulated time" : "real time");
   lines.add("rate", rate.str());
   lines.add("scene", printable(session->setup.scene_path));
+  add_loaded_part(session->setup.scene, lines);
   lines.add("strategy", strategy_words(session->setup.haptics));
   lines.add("device", device_words(*session));
   lines.add("recorded by", "version " + printable(session->engine));

@@ -12,10 +12,10 @@
 #include "engine/cli/formatted.h"
 #include "engine/cli/option_names.h"
 #include "engine/cli/tick_times_report.h"
-#include "engine/scene/load_warnings.h"
 #include "engine/scene/scene_contours.h"
 #include "engine/simulation/run_judgement.h"
 #include "geometry/base/printable.h"
+#include "io/hidden_nodes.h"
 
 namespace palpate {
 namespace {
@@ -375,9 +375,9 @@ ordered_json scene_json(const Scene& scene) {
           {"warnings", warning_lines(s)}};
 }
 
-ordered_json tree_json(const Scene& scene) {
+ordered_json tree_json(std::span<const TreeNode> tree) {
   ordered_json nodes = ordered_json::array();
-  for (const TreeNode& node : scene.tree()) {
+  for (const TreeNode& node : tree) {
     ordered_json json = {{"name", node.name}, {"number", node.file_index}};
     json["parent"] = node.parent ? ordered_json(*node.parent) : ordered_json();
     json["mesh"] = node.has_mesh;

@@ -2,6 +2,7 @@
 
 // Results as JSON for programs and as tables for people.
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@
 namespace palpate {
 
 nlohmann::ordered_json scene_json(const Scene& scene);
-nlohmann::ordered_json tree_json(const Scene& scene);  // an array of nodes, depth first
+nlohmann::ordered_json tree_json(std::span<const TreeNode> tree);  // an array of nodes, depth first
 nlohmann::ordered_json summary_json(const RunSummary& summary, const Scene& scene);
 // Without a path, the keys about the path and the judgement are left out.
 nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);

@@ -49,8 +49,12 @@ bool is_object_name(const std::string& name) {
 void read_listed_scene(ObjectReader& reader, std::string& scene) {
   constexpr std::uint64_t kMostScenes = std::uint64_t{1} << 32;
   const Json* const value = reader.find("scene", Key::kOptional);
-  if (!value || !value->is_number()) {
-    return reader.text("scene", scene, Key::kOptional, kMostProseBytes);
+  if (!value) return;
+  if (value->is_string()) return reader.text("scene", scene, Key::kOptional, kMostProseBytes);
+  if (!value->is_number()) {
+    return reader.fail(
+        unexpected_value(reader.element_of("scene"), *value,
+                         "the number of a scene of the file, or its name as a text"));
   }
   std::uint64_t number = 0;
   reader.whole("scene", number, 0, kMostScenes, Key::kOptional);

@@ -240,6 +240,7 @@ Error as_plan_error(Error error, const std::string& element) {
 }
 
 Error with_plan_keys(Error error) {
+  error.element = with_plan_keys(std::move(error.element));
   error.problem = with_plan_keys(std::move(error.problem));
   error.hint = with_plan_keys(std::move(error.hint));
   return error;

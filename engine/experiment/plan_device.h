@@ -26,7 +26,7 @@ nlohmann::ordered_json plan_device_json(const RunSettings& settings);
 // object `device`.
 Error as_plan_error(Error error, const std::string& element);
 
-// The error with the fields of settings in its texts replaced by keys of the plan.
+// The error with each `Struct::field` of settings in it replaced by keys of the plan.
 Error with_plan_keys(Error error);
 
 }  // namespace palpate

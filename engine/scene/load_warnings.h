@@ -9,15 +9,11 @@
 
 namespace palpate {
 
-// "2 nodes with a mesh are hidden in the file and are not felt: "a", "b"; ..."; empty if there are
-// none.
-std::string hidden_nodes_text(const HiddenNodes& hidden);
-
 // One line for each key or group of extras that is not applied, and for each ignored value. Errors
 // in lines name fields of settings, as in Error.
 std::vector<std::string> unapplied_lines(const Scene& scene);
 
-// Both, for the warnings of a command.
+// Both hidden_nodes_text() and these lines, for the warnings of a command.
 std::vector<std::string> load_warnings(const Scene& scene);
 
 }  // namespace palpate

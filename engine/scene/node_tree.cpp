@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/base/printable.h"
+#include "io/hidden_nodes.h"
 
 namespace palpate {
 namespace {
@@ -73,6 +74,7 @@ void keep_subtree(SceneDescription& description, std::uint32_t node) {
   for (TreeNode& n : tree) {
     if (n.parent) *n.parent -= node;
   }
+  description.hidden_nodes = hidden_nodes_of(tree);
 }
 
 std::string tree_text(std::span<const TreeNode> tree) {

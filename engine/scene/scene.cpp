@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "engine/scene/extras_keys.h"
-#include "engine/scene/load_warnings.h"
 #include "engine/scene/memory_budget.h"
 #include "engine/scene/node_placement.h"
 #include "engine/scene/node_tree.h"
 #include "engine/scene/scene_bounds.h"
 #include "io/gltf/reader.h"
+#include "io/hidden_nodes.h"
 
 namespace palpate {
 namespace {

@@ -133,10 +133,6 @@ std::optional<Error> check_visit(const PendingNode& next, const std::vector<bool
   return std::nullopt;
 }
 
-void count_hidden(const std::string& name, HiddenNodes& hidden) {
-  if (hidden.count++ < kMostHiddenNames) hidden.first_names.push_back(name);
-}
-
 // Adds the node to the lists of the members that its extras have.
 std::optional<Error> list_by_extras(const nlohmann::json& extras, const PlacedNode& placed,
                                     GltfNodeWalk& walk) {
@@ -199,10 +195,9 @@ Result<GltfNodeWalk> walk_nodes(const GltfAsset& asset, const GltfPose& pose,
     walk.tree.push_back({node.name.empty() ? "node " + std::to_string(next.node) : node.name,
                          static_cast<std::uint32_t>(next.node), next.tree_parent, node.mesh >= 0,
                          T_scene_node->translation_m, hidden});
-    if (hidden) {
-      if (node.mesh >= 0) count_hidden(walk.tree.back().name, walk.hidden);
-    } else if (auto error = list_node(object, {next.node, tree_node, *T_scene_node}, node, walk)) {
-      return *error;
+    if (!hidden) {
+      const PlacedNode placed{next.node, tree_node, *T_scene_node};
+      if (auto error = list_node(object, placed, node, walk)) return *error;
     }
     if (has_skins) walk.T_scene_nodes[next.node] = *T_scene_node;
     push_all(node.children, {0, next.depth + 1, hidden, tree_node, *T_scene_node}, pending);

@@ -30,7 +30,6 @@ struct GltfNodeWalk {
   std::optional<std::size_t> scene;         // index into /scenes; absent: all roots
   std::vector<PlacedNode> declaring_nodes;  // nodes with extras.palpate, depth first
   std::vector<PlacedNode> contour_nodes;    // nodes with extras.palpate_contour, depth first
-  HiddenNodes hidden;                       // nodes with a mesh that are left out
 
   std::vector<int> parents;  // of all nodes of the file; negative: no parent
   // For scene_transform(). If the file has skins, there is one entry for each node of the file, and

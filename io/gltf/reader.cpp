@@ -42,6 +42,7 @@
 #include "io/gltf/source.h"
 #include "io/gltf/tinygltf.h"
 #include "io/gltf/unapplied_extras.h"
+#include "io/hidden_nodes.h"
 
 namespace palpate {
 namespace {
@@ -79,8 +80,9 @@ class SceneReader {
     if (!walk) return walk.error();
     walk_ = &*walk;
     scene_.tree = std::move(walk->tree);
-    scene_.hidden_nodes = walk->hidden;
+    scene_.hidden_nodes = hidden_nodes_of(scene_.tree);
     list_scenes();
+    if (options_.reads_only_tree) return std::move(scene_);
     if (auto error = read_extras()) return *error;
     auto materials = GltfMaterials::open(asset_.json, extras_, options_.overrides);
     if (!materials) return materials.error();
@@ -133,11 +135,7 @@ class SceneReader {
 
   // Why the scene may be empty.
   std::string empty_hint() const {
-    if (scene_.hidden_nodes.count > 0) {
-      return std::to_string(scene_.hidden_nodes.count) +
-             " nodes with a mesh are hidden (KHR_node_visibility); read them with "
-             "`SceneSettings::feels_hidden`";
-    }
+    if (scene_.hidden_nodes.count > 0) return hidden_nodes_text(scene_.hidden_nodes);
     return scene_.warnings.size() > first_loss_ ? scene_.warnings[first_loss_] : "";
   }
 
@@ -148,7 +146,11 @@ class SceneReader {
       applied.materials[i] = materials_->is_used(static_cast<std::uint32_t>(i));
     }
     applied.nodes.resize(asset_.model.nodes.size());
-    for (const TreeNode& node : scene_.tree) applied.nodes[node.file_index] = !node.is_hidden;
+    applied.hidden_nodes.resize(asset_.model.nodes.size());
+    for (const TreeNode& node : scene_.tree) {
+      applied.nodes[node.file_index] = !node.is_hidden;
+      applied.hidden_nodes[node.file_index] = node.is_hidden;
+    }
     applied.scene = walk_->scene;
     return applied;
   }

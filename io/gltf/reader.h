@@ -22,6 +22,9 @@ struct ReadOptions {
   // The number or the name of a scene of the file (see GltfSceneChoice). Empty: the default scene.
   std::string scene = {};
   bool feels_hidden = false;  // reads nodes that KHR_node_visibility hides like visible ones
+  // Reads SceneDescription::tree, scenes and hidden_nodes, and nothing else. A scene without a
+  // triangle is then no error.
+  bool reads_only_tree = false;
   // The keys of extras.palpate, for lines about keys in other places; null: keys are not searched.
   const KeyNames* key_names = nullptr;
 };

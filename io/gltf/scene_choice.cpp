@@ -106,15 +106,19 @@ Result<bool> is_hidden(const Json& node, std::size_t node_id) {
   if (!node.is_object()) return false;
   const std::string element = gltf_element("nodes", node_id);
   const auto extension = find_extension(node, element, kVisibility);
-  if (!extension) return extension.error();
+  if (!extension) {
+    Error error = extension.error();
+    error.hint = "write {\"visible\": false} to hide the node, or remove the extension";
+    return error;
+  }
   if (!*extension) return false;
   const auto visible = (*extension)->find("visible");
   if (visible == (*extension)->end()) return false;
-  if (!visible->is_boolean()) {
-    return gltf_expected(element + "/extensions/" + kVisibility + "/visible", *visible,
-                         "true or false");
-  }
-  return !visible->get<bool>();
+  if (visible->is_boolean()) return !visible->get<bool>();
+  // Exporters write custom properties of the type integer for flags.
+  if (visible->is_number() && (*visible == 0 || *visible == 1)) return *visible == 0;
+  return gltf_expected(element + "/extensions/" + kVisibility + "/visible", *visible,
+                       "true or false, or 1 or 0");
 }
 
 void note_animated_visibility(const Json& root, std::vector<std::string>& notes) {

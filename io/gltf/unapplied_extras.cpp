@@ -67,25 +67,57 @@ bool is_letter_or_digit(char c) {
   return (l >= 'a' && l <= 'z') || (c >= '0' && c <= '9');
 }
 
-// What follows the word palpate at the beginning of a name: "_stiffness" gives "stiffness". No
-// value if the name does not begin with the word, in any capital letters and with any signs.
-std::optional<std::string_view> after_group_name(std::string_view name) {
+// What follows a word in lower case at the beginning of a name: "Palpate_stiffness" gives
+// "stiffness". No value if the name does not begin with the word, in any capital letters and with
+// any signs.
+std::optional<std::string_view> after_word(std::string_view name, std::string_view word) {
   std::size_t matched = 0;
   std::size_t i = 0;
-  for (; i < name.size() && matched < kGroup.size(); ++i) {
-    if (static_cast<char>(name[i] | 0x20) == kGroup[matched]) {
+  for (; i < name.size() && matched < word.size(); ++i) {
+    if (static_cast<char>(name[i] | 0x20) == word[matched]) {
       ++matched;
     } else if (is_letter_or_digit(name[i])) {
       return std::nullopt;
     }
   }
-  if (matched < kGroup.size()) return std::nullopt;
+  if (matched < word.size()) return std::nullopt;
   while (i < name.size() && !is_letter_or_digit(name[i]) && (name[i] & 0x80) == 0) ++i;
   return name.substr(i);
 }
 
-bool is_contour_name(std::string_view rest) {
-  return plain_name(rest) == "contour";
+std::optional<std::string_view> after_group_name(std::string_view name) {
+  return after_word(name, kGroup);
+}
+
+// Whether a name that follows the word palpate means a contour.
+bool is_contour_name(std::string_view rest, const Json& value) {
+  constexpr std::string_view kName = "contour";
+  constexpr std::size_t kMostErrors = 2;
+  if (rest.size() > 2 * kName.size()) return false;
+  const std::string plain = plain_name(rest);
+  if (plain == kName) return true;
+  return value.is_structured() && letter_distance(plain, kName, kMostErrors) <= kMostErrors;
+}
+
+// Words that other programs use, too, for what Palpate does not mean.
+bool is_ordinary(std::string_view key) {
+  return key == "solid" || key == "size" || key == "radius" || key == kMedium || key == "gravity";
+}
+
+// Whether a name says that its values are felt, or that an author invented them.
+bool names_haptic_group(std::string_view plain) {
+  constexpr std::string_view kWords[] = {"haptic", "tactile", "touch", "custom"};
+  return std::any_of(std::begin(kWords), std::end(kWords),
+                     [&](std::string_view word) { return plain.find(word) != plain.npos; });
+}
+
+// Whether a name is one that simulations of motion give to values with the same words.
+bool names_simulation(std::string_view plain) {
+  constexpr std::string_view kWords[] = {"phys",   "rigid", "body",   "spring", "collid", "collis",
+                                         "cloth",  "joint", "cycle",  "solver", "jolt",   "havok",
+                                         "bullet", "ammo",  "rapier", "mujoco"};
+  return std::any_of(std::begin(kWords), std::end(kWords),
+                     [&](std::string_view word) { return plain.find(word) != plain.npos; });
 }
 
 // A long path without its middle.
@@ -114,7 +146,9 @@ class Search {
                                         [&key = name](const auto& s) { return s.first == key; });
       const Path path = root / name;
       if (section == std::end(kElementSections) || !value.is_array()) {
-        read_member(name, value, path, {}, true);
+        if (!read_beside_extras(name, value, asset_.json, path, {})) {
+          read_member(name, value, path, {}, true);
+        }
         continue;
       }
       for (std::size_t i = 0; i < value.size(); ++i) {
@@ -123,7 +157,9 @@ class Search {
       }
     }
     if (count_ > lines_.size()) {
-      lines_.push_back("and " + std::to_string(count_ - lines_.size()) +
+      const bool are_all = allowance_ > 0;
+      lines_.push_back(std::string("and ") + (are_all ? "" : "at least ") +
+                       std::to_string(count_ - lines_.size()) +
                        " more keys or groups in extras are not applied");
     }
     return std::move(lines_);
@@ -149,15 +185,31 @@ class Search {
         }
         continue;
       }
-      read_member(name, member, at, element, is_element);
+      if (!is_element || !read_beside_extras(name, member, value, at, element)) {
+        read_member(name, member, at, element, is_element);
+      }
     }
+  }
+
+  // A key of Palpate directly in an element of the file. Misspelt ones are not searched.
+  bool read_beside_extras(const std::string& name, const Json& value, const Json& object,
+                          const Path& path, const Element& element) {
+    KeyNames::Allowance none = 0;
+    const auto match = names_.find(name, owner_of(element.kind), none);
+    if (!match || match->likeness == KeyLikeness::kNear || !is_meant(*match, value, object)) {
+      return false;
+    }
+    add(path, [&] {
+      return "it lies outside extras; " + belongs(*match, element, object.contains(kMedium));
+    });
+    return true;
   }
 
   void read_member(const std::string& name, const Json& value, const Path& path,
                    const Element& element, bool is_element) {
     if (name == "extras") return read_extras(value, path, element, is_element);
     const auto rest = after_group_name(name);
-    if (rest && (rest->empty() || is_contour_name(*rest))) {
+    if (rest && (rest->empty() || is_contour_name(*rest, value))) {
       return add(path, [&] {
         return "it lies outside extras; " + belongs(value, element, rest->empty());
       });
@@ -166,7 +218,7 @@ class Search {
   }
 
   void read_extras(const Json& extras, const Path& path, const Element& element, bool is_own) {
-    if (extras.is_string()) return read_text(extras, path);
+    if (extras.is_string()) return read_text(extras, path, element);
     if (extras.is_array()) return search_nested(extras, path, element);
     if (!extras.is_object()) return;
     for (const auto& [name, value] : extras.items()) {
@@ -178,15 +230,19 @@ class Search {
       } else if (const auto rest = after_group_name(name)) {
         read_joined(name, *rest, value, at, element);
       } else if (!read_flat(name, value, extras, at, element) && value.is_structured()) {
-        if (!read_misspelt_group(name, value, at, element)) search_nested(value, at, element);
+        if (!read_misspelt_group(name, value, at, element) &&
+            !read_group_of_keys(name, value, at, element)) {
+          search_nested(value, at, element);
+        }
       }
     }
   }
 
-  void read_text(const Json& extras, const Path& path) {
+  // Extras that are a text, which names the group or is an object with a key of Palpate.
+  void read_text(const Json& extras, const Path& path, const Element& element) {
     const std::string& text = extras.get_ref<const std::string&>();
     const std::string start = plain_name(std::string_view(text).substr(0, 256));
-    if (start.find(kGroup) == std::string::npos) return;
+    if (start.find(kGroup) == std::string::npos && !has_keys(object_in(text), element)) return;
     add(path, [&] {
       return std::string(
           "it is a text; expected an object such as {\"palpate\": {\"stiffness\": "
@@ -202,6 +258,39 @@ class Search {
     }
     if (is_applied(element)) return;
     add(path, [&] { return why_not_applied(element); });
+  }
+
+  // The object that a text contains; another value without one. Python writes single quotation
+  // marks.
+  Json object_in(const std::string& text) {
+    constexpr std::size_t kMostBytes = 4096;
+    constexpr std::size_t kBytesPerName = 16;  // as much work as a compared name
+    const std::size_t begin = text.find_first_not_of(" \t\r\n");
+    if (text.size() > kMostBytes || begin == text.npos || text[begin] != '{') return nullptr;
+    const std::size_t work = 1 + text.size() / kBytesPerName;
+    if (work > allowance_) return nullptr;
+    allowance_ -= work;
+    std::string json = text;
+    if (text.find('"') == text.npos) std::replace(json.begin(), json.end(), '\'', '"');
+    return Json::parse(json, nullptr, false);  // discarded, which is no object, if it is no JSON
+  }
+
+  // Whether an object has a key of Palpate, spelled right, that is no ordinary word.
+  bool has_keys(const Json& object, const Element& element) const {
+    if (!object.is_object()) return false;
+    std::size_t looked_at = 0;
+    for (const auto& [key, value] : object.items()) {
+      if (++looked_at > kMostKeysOfGroup) return false;
+      if (is_key(key, value, element)) return true;
+    }
+    return false;
+  }
+
+  bool is_key(const std::string& name, const Json& value, const Element& element) const {
+    KeyNames::Allowance none = 0;
+    const auto match = names_.find(name, owner_of(element.kind), none);
+    return match && match->likeness != KeyLikeness::kNear && !is_ordinary(match->key->name) &&
+           !value.is_object();
   }
 
   void read_contour(const Path& path, const Element& element, bool is_own) {
@@ -225,12 +314,16 @@ class Search {
     }
   }
 
-  static std::string why_not_applied(const Element& element) {
+  std::string why_not_applied(const Element& element) const {
     switch (element.kind) {
       case ElementKind::kMaterial:
         return "no triangle that is loaded has this material";
       case ElementKind::kNode:
-        return "the node is hidden, or is not part of the loaded scene";
+        if (element.index < applied_.hidden_nodes.size() && applied_.hidden_nodes[element.index]) {
+          return "the node, or an ancestor, is hidden (KHR_node_visibility); "
+                 "`SceneSettings::feels_hidden` loads hidden nodes, too";
+        }
+        return "the node is not part of the loaded scene";
       default:
         return "another scene of the file is loaded; load this one with "
                "`SceneSettings::listed_scene` " +
@@ -247,12 +340,18 @@ class Search {
                belongs(value, element, true);
       });
     }
-    if (is_contour_name(rest)) {
+    if (is_contour_name(rest, value)) {
       return add(path, [&] {
         return std::string("the name is palpate_contour, and it belongs in the extras of a node");
       });
     }
     const auto match = names_.find(rest, owner_of(element.kind), allowance_);
+    if (!match && has_keys(value, element)) {
+      return add(path, [&] {
+        return "the name of the group is palpate, not " + in_quotes(name) + "; " +
+               belongs(value, element, true);
+      });
+    }
     add(path, [&] {
       if (match) return belongs(*match, element, false);
       return "no key is named " + in_quotes(std::string(rest)) +
@@ -263,10 +362,22 @@ class Search {
   // A key of Palpate beside the group.
   bool read_flat(const std::string& name, const Json& value, const Json& extras, const Path& path,
                  const Element& element) {
-    const auto match = names_.find(name, owner_of(element.kind), allowance_);
+    const auto match = flat_match(name, element);
     if (!match || !is_meant(*match, value, extras)) return false;
     add(path, [&] { return belongs(*match, element, extras.contains(kMedium)); });
     return true;
+  }
+
+  // The key that a name means, or the rest of a name that begins with the word haptic.
+  std::optional<KeyMatch> flat_match(const std::string& name, const Element& element) {
+    const unsigned owners = owner_of(element.kind);
+    for (const std::string_view word : {"haptic", "haptics"}) {
+      const auto rest = after_word(name, word);
+      if (!rest || rest->empty()) continue;
+      auto match = names_.find(*rest, owners, allowance_);
+      if (match) return match;
+    }
+    return names_.find(name, owners, allowance_);
   }
 
   static bool is_medium(const Json& value) {
@@ -317,6 +428,31 @@ class Search {
       return true;
     }
     return false;
+  }
+
+  // A group of another name with nothing but keys of Palpate: two or more, or one if the group's
+  // name says that an author made it. A group named haptic may have other keys, too.
+  bool read_group_of_keys(const std::string& name, const Json& value, const Path& path,
+                          const Element& element) {
+    if (!value.is_object() || value.empty() || value.size() > kMostKeysOfGroup) return false;
+    constexpr std::size_t kLongestName = 64;
+    const std::string plain = plain_name(std::string_view(name).substr(0, kLongestName));
+    if (names_simulation(plain)) return false;
+    const bool may_have_others = plain.find("haptic") != plain.npos;
+    std::size_t keys = 0;
+    for (const auto& [key, inner] : value.items()) {
+      if (is_key(key, inner, element)) {
+        ++keys;
+      } else if (!is_ordinary(key) && !may_have_others) {
+        return false;
+      }
+    }
+    if (keys < (names_haptic_group(plain) ? 1u : 2u)) return false;
+    add(path, [&] {
+      return "the name of the group is palpate, not " + in_quotes(name) + "; " +
+             belongs(value, element, true);
+    });
+    return true;
   }
 
   // Groups of other programs may hold anything but the name palpate.
@@ -429,6 +565,8 @@ class Search {
     if (!text.empty()) return text;
     return "haptic values belong in " + place_of(kOfMaterial, element, false);
   }
+
+  static constexpr std::size_t kMostKeysOfGroup = 16;
 
   template <typename Text>
   void add(const Path& path, const Text& text) {

@@ -21,6 +21,9 @@ KeyNames names_for_test() {
                    {"solid", kOfMaterial},
                    {"viscosity", kOfMaterial | kOfNode},
                    {"radius", kOfNode},
+                   {"damping", kOfMaterial},
+                   {"vibrationWhen", kOfMaterial},
+                   {"vibrationFrequency", kOfMaterial},
                    {"gravity", kOfScene}});
 }
 
@@ -80,6 +83,24 @@ TEST(KeyNames, FindsOtherSpellings) {
     EXPECT_EQ(found(name), "stiffness near") << name;
   }
   EXPECT_EQ(found("stiffness_map"), "");
+}
+
+// A key that begins like the name comes before one that has nearly its letters.
+TEST(KeyNames, FindsAbbreviationsAndOtherWords) {
+  for (const char* name : {"vibrationFreq", "vibration_freq", "vibrationF", "VibrationFrequ",
+                           "vibrationFrequencyHz", "vibrationFrequencyOfTheTip"}) {
+    EXPECT_EQ(found(name), "vibrationFrequency near") << name;
+  }
+  EXPECT_EQ(found("vibrationWhe"), "vibrationWhen near");
+  EXPECT_EQ(found("vibrationWhenTouched"), "vibrationWhen near");
+  EXPECT_EQ(found("vibration"), "");
+  EXPECT_EQ(found("dynamicFrictionCoefficient"), "dynamicFriction near");
+  EXPECT_EQ(found("staticFric"), "staticFriction near");
+  for (const char* name : {"kineticFriction", "kinetic_friction", "Sliding Friction"}) {
+    EXPECT_EQ(found(name), "dynamicFriction near") << name;
+  }
+  EXPECT_EQ(found("dampening"), "damping near");
+  EXPECT_EQ(found("springConstant"), "stiffness near");
 }
 
 TEST(KeyNames, LeavesOtherWordsAlone) {

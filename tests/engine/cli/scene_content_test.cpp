@@ -146,5 +146,72 @@ TEST(SceneContent, ARecordingOfAChosenSceneReplaysToTheBit) {
   EXPECT_EQ(run_program(folder, {"replay", "a.palpate", "--scene", "moved.glb"}).exit_code, 0);
 }
 
+// A file of which every node is hidden: "a", and "b" below it.
+void write_hidden(const TemporaryFolder& folder) {
+  GltfBuilder gltf = GltfBuilder::one_triangle();
+  gltf.json["nodes"] = {{{"name", "a"},
+                         {"mesh", 0},
+                         {"children", {1}},
+                         {"extensions", {{"KHR_node_visibility", {{"visible", 0}}}}}},
+                        {{"name", "b"}, {"mesh", 0}}};
+  gltf.json["scenes"] = {{{"nodes", {0}}}};
+  std::rename(gltf.write_glb(folder).c_str(), folder.path("hidden.glb").c_str());
+}
+
+TEST(SceneContent, InfoListsNodesThatAreAllHidden) {
+  const TemporaryFolder folder;
+  write_hidden(folder);
+  const Outcome list = run_program(folder, {"info", "hidden.glb", "--list"});
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  EXPECT_EQ(list.out, "hidden.glb\n  a  #0  mesh  hidden\n    b  #1  mesh  hidden\n");
+  const Outcome part = run_program(folder, {"info", "hidden.glb", "--list", "--node", "b"});
+  EXPECT_EQ(part.out, "hidden.glb\n  b  #1  mesh  hidden\n") << part.err;
+  const Outcome as_json = run_program(folder, {"info", "hidden.glb", "--list", "--json"});
+  EXPECT_EQ(json::parse(as_json.out).size(), 2u) << as_json.err;
+  const Outcome info = run_program(folder, {"info", "hidden.glb"});
+  EXPECT_EQ(info.exit_code, 2);
+  EXPECT_TRUE(contains(info.err,
+                       "2 nodes with a mesh are hidden in the file "
+                       "(KHR_node_visibility) and cannot be felt: \"a\", \"b\"; "
+                       "--feel-hidden loads hidden nodes, too"))
+      << info.err;
+  const Outcome none = run_program(folder, {"info", "hidden.glb", "--list", "--node", "c"});
+  EXPECT_EQ(none.exit_code, 2);
+}
+
+TEST(SceneContent, HiddenNodesOutsideTheLoadedNodeAreNotTold) {
+  const TemporaryFolder folder;
+  write_scenes(folder);
+  const json answer = json::parse(
+      run_program(folder, {"info", "scenes.glb", "--scene", "1", "--node", "prism", "--json"}).out);
+  EXPECT_EQ(answer["hidden_nodes"]["count"], 0);
+  for (const json& line : answer["warnings"]) {
+    EXPECT_FALSE(contains(line.get<std::string>(), "hidden")) << line;
+  }
+}
+
+TEST(SceneContent, ARecordingSaysWhatOfTheFileWasLoaded) {
+  const TemporaryFolder folder;
+  write_scenes(folder);
+  const auto summary = [&](std::vector<std::string> options) {
+    std::vector<std::string> command = {"run",  "scenes.glb", "--virtual", "--seconds", "1",
+                                        "--a4", "off",        "--record",  "r.palpate"};
+    command.insert(command.end(), options.begin(), options.end());
+    const Outcome run = run_program(folder, command);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const std::string text = run_program(folder, {"recording", "info", "r.palpate"}).out;
+    std::remove(folder.path("r.palpate").c_str());
+    return text;
+  };
+  const std::string plain = summary({});
+  for (const char* name : {"listed scene", "node", "hidden nodes"}) {
+    EXPECT_FALSE(contains(plain, "\n  " + std::string(name) + " ")) << plain;
+  }
+  const std::string chosen = summary({"--scene", "far", "--node", "prism", "--feel-hidden"});
+  EXPECT_TRUE(contains(chosen, "\n  listed scene  far\n")) << chosen;
+  EXPECT_TRUE(contains(chosen, "\n  node          prism\n")) << chosen;
+  EXPECT_TRUE(contains(chosen, "\n  hidden nodes  felt\n")) << chosen;
+}
+
 }  // namespace
 }  // namespace palpate

@@ -344,11 +344,21 @@ const std::vector<Breakage>& broken_plans() {
          j["objects"]["O2"] = {{"file", "a.glb"}, {"scene", {1}}};
        },
        "/objects/O2/scene", "text"},
+      {"object whose scene is true",
+       [](Json& j) {
+         j["objects"]["O2"] = {{"file", "a.glb"}, {"scene", true}};
+       },
+       "/objects/O2/scene", "the number of a scene of the file, or its name as a text"},
+      {"object with a misspelt key beside its scene",
+       [](Json& j) {
+         j["objects"]["O2"] = {{"file", "a.glb"}, {"scene", 1}, {"nodes", "b"}};
+       },
+       "/objects/O2/nodes", "expected file, node, scene, feel_hidden"},
       {"object that feels hidden nodes by number",
        [](Json& j) {
-         j["objects"]["O2"] = {{"file", "a.glb"}, {"feel_hidden", 1}};
+         j["objects"]["O2"] = {{"file", "a.glb"}, {"feel_hidden", 2}};
        },
-       "/objects/O2/feel_hidden", "true or false"},
+       "/objects/O2/feel_hidden", "true or false, or 1 or 0"},
       {"object whose gaps are a text",
        [](Json& j) {
          j["objects"]["O2"] = {{"file", "a.glb"}, {"close_gaps_m", "auto"}};

@@ -739,6 +739,7 @@ TEST(ExperimentRun, IsRefusedBeforeTheFirstTrial) {
   expect_refused(small_plan_json(), no_contour, "star.glb", "contour", "no closed contour");
   expect_refused(with("/objects/O2", "missing.glb"), good, "missing.glb", "", "cannot be opened");
   expect_refused(with("/objects/O2/node", "Moon"), good, "star.glb", "node \"Moon\"", "");
+  expect_refused(with("/objects/O2/scene", "Moon"), good, "star.glb", "scene", "is \"Moon\"");
   expect_refused(with("/objects/O2/scale", 100), good, "plan.json", "/objects/O2", "spans");
   expect_refused(with("/objects/O2/scale", 1e-4), good, "plan.json", "/objects/O2", "spans");
   expect_refused(with("/device/workspace_m", 1e-3), good, "plan.json", "/device/workspace_m",

@@ -134,7 +134,7 @@ std::vector<Property> told_properties() {
       {"/materials/1", {{"palpate", kGroup}}, {"/materials/1/extras/palpate: ", "no triangle"}},
       {"/nodes/2",
        {{"palpate", {{"medium", "box"}}}},
-       {"/nodes/2/extras/palpate: ", "loaded scene"}},
+       {"/nodes/2/extras/palpate: ", "not part of the loaded scene"}},
       {mesh,
        {{"palpate", "{\"stiffness\": 400}"}},
        {"/meshes/0/extras/palpate: ", "a text", kWood}},
@@ -147,6 +147,31 @@ std::vector<Property> told_properties() {
       {material, "{\"palpate\": {}}", {"/materials/0/extras: ", "a text", "an object"}},
       {mesh, {{"palpate_contour", json::object()}}, {"/meshes/0/extras/palpate_contour: ", "node"}},
       {node, {{"palpateContour", json::object()}}, {"/nodes/0/extras/", "palpate_contour"}},
+      {node, {{"palpate_contours", json::object()}}, {"/nodes/0/extras/", "palpate_contour,"}},
+      {node, {{"palpate_cntuor", json::object()}}, {"/nodes/0/extras/", "palpate_contour,"}},
+      // Groups of other names with nothing but keys of Palpate.
+      {material, {{"haptics", kGroup}}, {"/materials/0/extras/haptics: ", "palpate, not", kWood}},
+      {mesh, {{"feeling", kGroup}}, {"/meshes/0/extras/feeling: ", "palpate, not", kWood}},
+      {material,
+       {{"custom", {{"stiffness", 4}}}},
+       {"/materials/0/extras/custom: ", "stiffness belongs"}},
+      {material,
+       {{"haptic", {{"stiffness", 4}, {"colour", 1}}}},
+       {"/materials/0/extras/haptic: ", "stiffness belongs", kWood}},
+      {material,
+       {{"palpate_haptics", {{"stiffness", 4}}}},
+       {"/materials/0/extras/palpate_haptics: ", "palpate, not", "stiffness belongs", kWood}},
+      // Extras that are a text.
+      {material, "{\"stiffness\": 400}", {"/materials/0/extras: ", "a text", "an object"}},
+      {material, " {'dynamic_friction': 1}", {"/materials/0/extras: ", "a text", "an object"}},
+      // Names that begin with another word, and other words.
+      {material, {{"haptic_stiffness", 4}}, {"/materials/0/extras/haptic_", "stiffness", kWood}},
+      {material, {{"hapticsStiffness", 4}}, {"/materials/0/extras/haptics", "stiffness", kWood}},
+      {material,
+       {{"kineticFriction", 1}},
+       {"/materials/0/extras/", "nearest key, dynamicFriction"}},
+      {material, {{"dampening", 1}}, {"/materials/0/extras/", "nearest key, damping"}},
+      {material, {{"vibrationFreq", 9}}, {"/materials/0/extras/", "key, vibrationFrequency"}},
       // Keys inside a group that is applied.
       {material,
        {{"palpate", {{"stifness", 400}}}},
@@ -273,7 +298,15 @@ TEST(CustomProperties, OfOtherProgramsGiveNoLine) {
       {"palette", {{"red", 1}}},
       {"sold", true},
       {"damp", 1},
-      {"_RNA_UI", {{"stiffness", {{"min", 0.0}}}}},
+      {"_RNA_UI", {{"stiffness", {{"min", 0.0}}}, {"dynamicFriction", {{"min", 0.0}}}}},
+      {"physicsMaterial", {{"staticFriction", 1}, {"dynamicFriction", 1}, {"restitution", 0}}},
+      {"spring", {{"stiffness", 1}, {"damping", 1}}},
+      {"shape", {{"size", {1, 1, 1}}, {"radius", 1}}},
+      {"world", {{"gravity", {0, 0, -9.81}}, {"damping", 0.1}}},
+      {"option", {{"stiffness", 1}}},
+      {"note", "{\"stiffness\": 400}"},
+      {"haptic", {{"device", "none"}}},
+      {"haptic_note", "none"},
       {"prop", 1.0}};
   for (const char* element : {"/materials/0", "/nodes/0", "/meshes/0", "/scenes/0", "/asset", ""}) {
     gltf.json[json::json_pointer(std::string(element) + "/extras")] = others;
@@ -303,6 +336,55 @@ TEST(CustomProperties, AreToldInABoundedNumberOfLinesWhateverTheFile) {
   ASSERT_EQ(lines.size(), 33u) << joined(lines);
   EXPECT_TRUE(lines.back().starts_with("and ")) << lines.back();
   for (const std::string& line : lines) EXPECT_LT(line.size(), 2000u);
+}
+
+// A key directly in an element, where extras.palpate is missing around it.
+TEST(CustomProperties, OutsideExtrasSayWhereTheyBelong) {
+  const std::pair<const char*, json> placed[] = {
+      {"/materials/0", {{"stiffness", 400}}}, {"/materials/0", {{"dynamic_friction", 1}}},
+      {"/materials/0", {{"solid", true}}},    {"/nodes/0", {{"stiffness", 400}}},
+      {"/meshes/0", {{"stiffness", 400}}},    {"", {{"stiffness", 400}}}};
+  for (const auto& [element, members] : placed) {
+    GltfBuilder gltf = wooden_body();
+    gltf.json[json::json_pointer(element)].update(members);
+    gltf.json["materials"][0]["extras"] = {{"note", 1}};
+    const auto scene = loaded(gltf);
+    ASSERT_TRUE(scene) << scene.error().to_string();
+    const auto lines = load_warnings(*scene);
+    ASSERT_EQ(lines.size(), 1u) << element << members << joined(lines);
+    const std::string begin = std::string(element) + "/" + members.begin().key() +
+                              ": is not applied; it lies outside extras; ";
+    EXPECT_TRUE(lines.front().starts_with(begin)) << lines.front();
+  }
+}
+
+TEST(CustomProperties, OfHiddenNodesSayHowToLoadThem) {
+  for (const char* key : {"palpate", "palpate_contour"}) {
+    GltfBuilder gltf = wooden_body();
+    gltf.json["nodes"][1]["extras"] = {{key, {{"medium", "box"}}}};
+    gltf.json["nodes"][1]["extensions"] = {{"KHR_node_visibility", {{"visible", false}}}};
+    const auto scene = loaded(gltf);
+    ASSERT_TRUE(scene) << scene.error().to_string();
+    ASSERT_EQ(load_warnings(*scene).size(), 1u) << joined(load_warnings(*scene));
+    EXPECT_EQ(load_warnings(*scene).front(),
+              std::string("/nodes/1/extras/") + key +
+                  ": is not applied; the node, or an ancestor, is hidden (KHR_node_visibility); "
+                  "`SceneSettings::feels_hidden` loads hidden nodes, too");
+  }
+}
+
+TEST(CustomProperties, AreSaidToBeAtLeastSoManyWhereTheSearchEnds) {
+  for (const auto& [count, begin] :
+       {std::pair<int, const char*>{100, "and 68 more"}, {70'000, "and at least "}}) {
+    GltfBuilder gltf = wooden_body();
+    for (int n = 0; n < count; ++n) {
+      gltf.json["nodes"].push_back({{"extras", {{"stifness", n}}}});
+    }
+    const auto scene = loaded(gltf);
+    ASSERT_TRUE(scene) << scene.error().to_string();
+    ASSERT_EQ(load_warnings(*scene).size(), 33u);
+    EXPECT_TRUE(load_warnings(*scene).back().starts_with(begin)) << load_warnings(*scene).back();
+  }
 }
 
 TEST(CustomProperties, OfAnotherSceneSayHowToLoadIt) {

@@ -154,17 +154,44 @@ TEST(HiddenNodes, DoNotIncludeVisibleOnes) {
 }
 
 TEST(HiddenNodes, WithAWrongVisibilityAreRefused) {
-  for (const Json& wrong : {Json("false"), Json(0), Json(1.0), Json(nullptr), Json::array({false}),
-                            Json(Json::object())}) {
+  for (const Json& wrong : {Json("false"), Json(2), Json(0.5), Json(-1), Json(nullptr),
+                            Json::array({false}), Json(Json::object())}) {
     GltfBuilder gltf = assembly();
     hide(gltf, 1, wrong);
     expect_refused(gltf, ErrorCode::kInvalidContent,
-                   "/nodes/1/extensions/KHR_node_visibility/visible", "true or false");
+                   "/nodes/1/extensions/KHR_node_visibility/visible", "true or false, or 1 or 0");
   }
+  for (const Json& wrong : {Json(false), Json(nullptr), Json(0), Json::array()}) {
+    GltfBuilder gltf = assembly();
+    gltf.json["nodes"][1]["extensions"][kVisibility] = wrong;
+    expect_refused(gltf, ErrorCode::kInvalidContent, "/nodes/1/extensions/KHR_node_visibility",
+                   "write {\"visible\": false} to hide the node");
+  }
+}
+
+TEST(HiddenNodes, NumbersStandForFalseAndTrue) {
+  for (const Json& no : {Json(0), Json(0.0), Json(-0.0)}) {
+    GltfBuilder gltf = assembly();
+    hide(gltf, 1, no);
+    EXPECT_EQ(names_of(read_glb(gltf)), (Names{"whole", "ball"})) << no;
+  }
+  for (const Json& yes : {Json(1), Json(1.0)}) {
+    GltfBuilder gltf = assembly();
+    hide(gltf, 1, yes);
+    EXPECT_EQ(names_of(read_glb(gltf)).size(), 4u) << yes;
+  }
+}
+
+TEST(HiddenNodes, AreListedWithoutAnyThatIsVisible) {
   GltfBuilder gltf = assembly();
-  gltf.json["nodes"][1]["extensions"][kVisibility] = false;
-  expect_refused(gltf, ErrorCode::kInvalidContent, "/nodes/1/extensions/KHR_node_visibility",
-                 "an object");
+  hide(gltf, 0);
+  hide(gltf, 3);
+  ReadOptions options;
+  options.reads_only_tree = true;
+  const SceneDescription scene = read_glb(gltf, options);
+  ASSERT_EQ(scene.tree.size(), 4u);
+  for (const TreeNode& node : scene.tree) EXPECT_TRUE(node.is_hidden) << node.name;
+  EXPECT_EQ(scene.hidden_nodes.count, 4u);
 }
 
 TEST(HiddenNodes, ThatAreAllSayHowToReadThem) {
@@ -175,7 +202,10 @@ TEST(HiddenNodes, ThatAreAllSayHowToReadThem) {
   const auto scene = read_gltf(gltf.write_glb(folder));
   ASSERT_FALSE(scene.ok());
   EXPECT_EQ(scene.error().code, ErrorCode::kEmptyScene);
-  EXPECT_NE(scene.error().hint.find("4 nodes with a mesh are hidden"), std::string::npos);
+  EXPECT_TRUE(scene.error().hint.starts_with("4 nodes with a mesh are hidden"))
+      << scene.error().hint;
+  EXPECT_NE(scene.error().hint.find("\"whole\", \"part\", \"screw\", \"ball\";"), std::string::npos)
+      << scene.error().hint;
   EXPECT_NE(scene.error().hint.find("`SceneSettings::feels_hidden`"), std::string::npos);
 }
 
