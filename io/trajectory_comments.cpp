@@ -126,7 +126,8 @@ constexpr std::string_view kOrdinaryWords[] = {"in",    "foot", "feet", "yard",
 
 // The unit in a word such as "mm" and "50mm"; empty for words without one.
 std::string_view unit_in(std::string_view word) {
-  const std::size_t begin = word.find_first_not_of("0123456789.,+-");
+  word.remove_prefix(word.rfind('-') + 1);  // "tip-mm"; npos + 1 is 0
+  const std::size_t begin = word.find_first_not_of("0123456789.,+");
   if (begin == std::string_view::npos) return "";
   word.remove_prefix(begin);
   if (is_among(kOtherUnits, word)) return word;
@@ -148,6 +149,12 @@ std::optional<LineProblem> TrajectoryComments::add(std::string_view comment, std
   if (const auto rate_Hz = rate_of_comment(comment)) {
     rate_Hz_ = rate_Hz;
     rate_line_ = line;
+  }
+  // "x y z # units: mm"
+  const std::size_t second = comment.find(" # ", 1);
+  if (second != std::string_view::npos) {
+    if (auto problem = add(comment.substr(0, second), line)) return problem;
+    return add(comment.substr(second + 1), line);
   }
   const std::string text = comment_text(comment);
   if (text.empty()) return std::nullopt;
@@ -250,8 +257,14 @@ std::optional<LineProblem> TrajectoryComments::choose_columns(
     std::size_t row_columns, std::size_t row_line, std::optional<TrajectoryColumns>& columns) {
   const auto is_list = [](const Naming& naming) { return naming.is_list; };
   const bool has_list = std::any_of(namings_.begin(), namings_.end(), is_list);
-  for (const Naming& naming : namings_) {
+  for (Naming& naming : namings_) {
     if (has_list && !naming.is_list) continue;
+    std::vector<std::string>& unused = naming.columns.unused;
+    // "x, y, z,": a separator at the end.
+    if (naming.columns.count == row_columns + 1 && !unused.empty() && unused.back().empty()) {
+      --naming.columns.count;
+      unused.pop_back();
+    }
     if (columns && naming.columns.count == row_columns && !agree(naming.columns, *columns)) {
       return conflict_of("columns", naming.line, naming_line_);
     }
@@ -289,6 +302,13 @@ std::optional<LineProblem> TrajectoryComments::apply_units(TrajectoryColumns& co
   std::size_t time_line = columns.states_time_unit || columns.is_trace ? column_line : 0;
   TimeUnit time_unit = columns.time_unit;
   bool counts_samples = columns.counts_samples;
+  const auto contradiction = [&](const char* what, std::size_t line, std::size_t other) {
+    if (!columns.is_trace) return conflict_of(what, line, other);
+    return LineProblem{column_line,
+                       "is the header of a trace, which is in metres and seconds; line " +
+                           std::to_string(line) + ", a comment, states other units",
+                       "correct or delete the comment"};
+  };
   const auto state_length = [&](const std::array<LengthUnit, 3>& length, std::size_t line) {
     if (length_line > 0) return length == columns.length;
     columns.length = length;
@@ -307,18 +327,18 @@ std::optional<LineProblem> TrajectoryComments::apply_units(TrajectoryColumns& co
     const TrajectoryColumns& named = naming.columns;
     if (!naming.is_list && naming.line != naming_line_) continue;
     if (named.states_length && !state_length(named.length, naming.line)) {
-      return conflict_of("units of length", naming.line, length_line);
+      return contradiction("units of length", naming.line, length_line);
     }
     if (named.states_time_unit && !state_time(named.time_unit, named.counts_samples, naming.line)) {
-      return conflict_of("units of time", naming.line, time_line);
+      return contradiction("units of time", naming.line, time_line);
     }
   }
   for (const Units& units : units_) {
     if (units.length && !state_length({*units.length, *units.length, *units.length}, units.line)) {
-      return conflict_of("units of length", units.line, length_line);
+      return contradiction("units of length", units.line, length_line);
     }
     if (units.time && !state_time(*units.time, false, units.line)) {
-      return conflict_of("units of time", units.line, time_line);
+      return contradiction("units of time", units.line, time_line);
     }
   }
   if (columns.time && time_line > 0 && !columns.is_trace && !columns.states_time_unit) {
@@ -362,10 +382,10 @@ std::optional<double> rate_of_comment(std::string_view comment) {
     has_hertz |= folded_unit(words[i]) == "hz";
     std::string text = folded_unit(words[i]);
     std::string unit = folded_unit(word_at(i + 1));
-    for (const char* joined : {"khz", "hz"}) {
-      if (!text.ends_with(joined)) continue;
-      unit = joined;
-      text.resize(text.size() - unit.size());
+    const std::size_t end = text.find_last_of("0123456789.") + 1;  // "2ms"
+    if (end > 0 && end < text.size()) {
+      unit = text.substr(end);
+      text.resize(end);
     }
     const Number number = parse_number(text);
     if (number.kind != NumberKind::kNumber || !std::isfinite(number.value)) continue;

@@ -288,6 +288,7 @@ const CommentCase kComments[] = {
     {"# mm", 1, "names mm"},
     {"# a sphere of 50mm", 1, "names mm"},
     {"# x_mm", 1, "names mm"},
+    {"# units-mm", 1, "names mm"},
     {"# {\"units\": \"mm\"}", 1, "names mm"},
     {"# positions in \u00b5m", 1, "names um"},
     {"# positions in inches", 1, "names inches"},
@@ -332,6 +333,7 @@ const CommentCase kComments[] = {
     // Columns.
     {"# x [mm] y [mm] z [mm]", 1e-3, ""},
     {"# x [mm] | y [mm] | z [mm]", 1e-3, ""},
+    {"# x, y, z, # units: mm", 1e-3, ""},
     {"# Columns: t [s], x [mm], y [mm], z [mm]", 1e-3, "", kFour},
     {"# data format = t x y z", 1, "", kFour},
     {"# (t, x, y, z)", 1, "", kFour},
@@ -348,7 +350,7 @@ const CommentCase kComments[] = {
     // Traces and names like those of a trace.
     {"# units: m\nt,device_x,device_y,device_z", 1, "", "0,1,1,1\n0.5,2,2,2\n"},
     {"# in mm\nt,device_x,device_y,device_z", 1, "", "0,1,1,1\n0.5,2,2,2\n"},
-    {"# units: mm\nt,device_x,device_y,device_z", 0, "line 2: states other units",
+    {"# units: mm\nt,device_x,device_y,device_z", 0, "line 2: is the header of a trace",
      "0,1,1,1\n0.5,2,2,2\n"},
     {"# units: mm\ntime,device_x,device_y,device_z", 1e-3, "", "0,1,1,1\n0.5,2,2,2\n"},
 };
@@ -393,7 +395,8 @@ TEST_F(TrajectoryFile, ReadsTimesBesideTheNamesOfATrace) {
 TEST_F(TrajectoryFile, ReadsTheRateThatACommentStates) {
   for (const char* comment :
        {"# sampled at 500 Hz", "# rate: 0.5kHz", "# Sampling frequency (Hz): 500", "# fs = 500",
-        "# dt = 0.002 s", "# sample_period: 2 ms", "# sampling rate: 500", "# 500 Hz"}) {
+        "# dt = 0.002 s", "# dt=2ms", "# sample_period: 2 ms", "# sampling rate: 500",
+        "# 500 Hz"}) {
     const Trajectory read = trajectory(std::string("\n") + comment + "\n1 2 3\n");
     EXPECT_EQ(read.stated_rate_Hz, 500.0) << comment;
     EXPECT_EQ(read.stated_rate_line, 2u);
