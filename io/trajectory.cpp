@@ -14,6 +14,7 @@
 #include "io/text_fields.h"
 #include "io/text_lines.h"
 #include "io/trajectory_columns.h"
+#include "io/trajectory_comments.h"
 #include "io/trajectory_notes.h"
 
 namespace palpate {
@@ -71,6 +72,9 @@ class TrajectoryReader {
     } else if (trajectory_.positions_m.empty() && !std::exchange(has_units_line_, true)) {
       if (take_units(line)) return std::nullopt;
     }
+    if (trajectory_.positions_m.empty()) {
+      if (auto error = error_of(comments_.apply_units(*columns_, column_line_))) return error;
+    }
     return read_row(line, is_whole);
   }
 
@@ -78,9 +82,12 @@ class TrajectoryReader {
     if (trajectory_.positions_m.empty()) {
       return Error{ErrorCode::kInvalidContent, path_, "", "contains no sample", kLineHint};
     }
-    const TrajectoryFacts facts{*columns_, naming_comment_, unit_comment_, decimal_comma_line_,
-                                rate_Hz_};
+    const TrajectoryFacts facts{*columns_, comments_.naming_line(), comments_.unit_line(),
+                                decimal_comma_line_, rate_Hz_};
     trajectory_.notes = trajectory_notes(facts);
+    trajectory_.warnings = comments_.warnings(*columns_);
+    trajectory_.stated_rate_Hz = comments_.rate_Hz();
+    trajectory_.stated_rate_line = comments_.rate_line();
     trajectory_.has_summed_times = columns_->is_trace;
     return std::move(trajectory_);
   }
@@ -89,6 +96,12 @@ class TrajectoryReader {
   Error error_here(std::string problem, std::string hint = kLineHint) const {
     return {ErrorCode::kInvalidContent, path_, "line " + std::to_string(line_number_),
             std::move(problem), std::move(hint)};
+  }
+
+  std::optional<Error> error_of(std::optional<LineProblem> problem) const {
+    if (!problem) return std::nullopt;
+    return Error{ErrorCode::kInvalidContent, path_, "line " + std::to_string(problem->line),
+                 std::move(problem->problem), std::move(problem->hint)};
   }
 
   // ---- header and comments ----
@@ -113,11 +126,7 @@ class TrajectoryReader {
     }
     columns_ = std::move(reading.columns);
     column_line_ = line_number_;
-    if (columns_->is_trace) {
-      comment_ = {};
-      return std::nullopt;
-    }
-    return take_units_of_comment();
+    return std::nullopt;
   }
 
   // A line of units below the names: "s,mm,mm,mm".
@@ -145,6 +154,7 @@ class TrajectoryReader {
     }
     columns_->length = length;
     columns_->states_length = true;
+    columns_->states_time_unit = columns_->time.has_value();
     return true;
   }
 
@@ -153,55 +163,7 @@ class TrajectoryReader {
     constexpr std::size_t kMostCommentBytes = TextLines::kMostBytes;
     comment_bytes_ += comment.size();
     if (comment_bytes_ > kMostCommentBytes) return std::nullopt;
-    if (const auto rate_Hz = rate_of_comment(comment)) {
-      trajectory_.stated_rate_Hz = rate_Hz;
-      trajectory_.stated_rate_line = line_number_;
-    }
-    CommentReading reading = read_comment(comment);
-    if (!reading.problem.empty()) {
-      return error_here("is a comment that " + reading.problem,
-                        "name the columns and their units in a header, such as \"x [mm]\"");
-    }
-    const bool says_nothing = !reading.columns && !reading.length && !reading.time;
-    if (says_nothing) return std::nullopt;
-    // Later comments add to earlier ones, and do not hide their units.
-    if (reading.columns && comment_.columns && !reading.columns->states_length) {
-      reading.columns->length = comment_.columns->length;
-      reading.columns->states_length = comment_.columns->states_length;
-    }
-    if (!reading.columns) reading.columns = std::move(comment_.columns);
-    if (!reading.length) reading.length = comment_.length;
-    if (!reading.time) reading.time = comment_.time;
-    comment_ = std::move(reading);
-    comment_line_ = line_number_;
-    return columns_ && !columns_->is_trace ? take_units_of_comment() : std::nullopt;
-  }
-
-  // The units that a comment states, for columns without units.
-  std::optional<Error> take_units_of_comment() {
-    std::optional<std::array<LengthUnit, 3>> length;
-    if (comment_.columns && comment_.columns->states_length) length = comment_.columns->length;
-    if (comment_.length) length = {*comment_.length, *comment_.length, *comment_.length};
-    if (length && columns_->states_length && *length != columns_->length) {
-      return error_here("has other units of length than the comment in line " +
-                            std::to_string(comment_line_) + "; expected the same",
-                        "correct or delete the comment");
-    }
-    const bool is_used = length && !columns_->states_length;
-    if (is_used) {
-      columns_->length = *length;
-      columns_->states_length = true;
-      unit_comment_ = comment_line_;
-    }
-    if (columns_->time && !columns_->states_time_unit && !columns_->counts_samples) {
-      std::optional<TimeUnit> time = comment_.time;
-      if (comment_.columns && comment_.columns->states_time_unit) {
-        time = comment_.columns->time_unit;
-        columns_->counts_samples = comment_.columns->counts_samples;
-      }
-      if (time) columns_->time_unit = *time;
-    }
-    return std::nullopt;
+    return error_of(comments_.add(comment, line_number_));
   }
 
   // The first row decides: x y z, t x y z, or the columns that a comment names.
@@ -210,25 +172,22 @@ class TrajectoryReader {
     if (separator == Separator::kBlankOrComma && has_ambiguous_comma(line)) return comma_error();
     const std::size_t count = split_fields(line, separator).size();
     column_line_ = line_number_;
-    if (comment_.columns && comment_.columns->count == count) {
-      columns_ = comment_.columns;
+    if (auto error = error_of(comments_.choose_columns(count, line_number_, columns_))) {
+      return error;
+    }
+    if (columns_) {
       columns_->separator = separator;
-      column_line_ = naming_comment_ = comment_line_;
-      if (columns_->states_length) unit_comment_ = comment_line_;
-      return take_units_of_comment();
+      column_line_ = comments_.naming_line();
+      return std::nullopt;
     }
     if (count != 3 && count != 4) {
       return error_here("has " + std::to_string(count) +
                             (count == 1 ? " column; expected 3 or 4" : " columns; expected 3 or 4"),
                         line.find(',') == std::string_view::npos ? kLineHint : kCommaHint);
     }
-    if (comment_.columns && comment_.columns->states_length && !comment_.columns->is_in_order()) {
-      return error_here("has " + std::to_string(count) + " columns, and the comment in line " +
-                        std::to_string(comment_line_) + " names others; expected the same");
-    }
     columns_ = columns_without_header(count == 4);
     columns_->separator = separator;
-    return take_units_of_comment();
+    return std::nullopt;
   }
 
   // ---- rows ----
@@ -383,11 +342,8 @@ class TrajectoryReader {
   std::optional<TrajectoryColumns> columns_;
   std::size_t column_line_ = 0;  // the line that determined them
   bool has_units_line_ = false;  // the line after the header was read
-  CommentReading comment_;       // what comments before the first row state
-  std::size_t comment_line_ = 0;
+  TrajectoryComments comments_;  // before the first row
   std::size_t comment_bytes_ = 0;
-  std::size_t naming_comment_ = 0;      // the comment that names the columns; 0: none
-  std::size_t unit_comment_ = 0;        // the comment that states the units; 0: none
   bool allows_decimal_comma_ = false;   // in this line
   std::size_t decimal_comma_line_ = 0;  // 0: none
   std::size_t decimal_point_line_ = 0;

@@ -1,7 +1,6 @@
 #include "io/trajectory_columns.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <map>
 #include <utility>
@@ -29,6 +28,15 @@ std::string list_of(const std::vector<std::string>& names) {
     text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + in_quotes(names[i]);
   }
   return text;
+}
+
+// A trace of Palpate has a column t. Other programs name columns device_x, too.
+bool is_trace(const std::vector<TextField>& fields) {
+  const auto has = [&](std::string_view name) {
+    return std::any_of(fields.begin(), fields.end(),
+                       [name](const TextField& field) { return field.text == name; });
+  };
+  return has("t") && std::any_of(std::begin(kTraceNames), std::end(kTraceNames), has);
 }
 
 // The trace of a run: exact names, without units.
@@ -231,120 +239,18 @@ class HeaderReader {
   HeaderReading refusal_;
 };
 
-std::vector<std::string_view> comment_words(std::string_view comment) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view kBetween = " \t:=,;()[]{}<>|";
-  while (true) {
-    const std::size_t begin = comment.find_first_not_of(kBetween);
-    if (begin == std::string_view::npos) return words;
-    const std::size_t end = std::min(comment.find_first_of(kBetween, begin), comment.size());
-    words.push_back(comment.substr(begin, end - begin));
-    comment.remove_prefix(end);
-  }
-}
-
-// "units: mm", "unit = s, mm", "Einheiten: [ms] [mm] [mm] [mm]".
-CommentReading read_stated_units(const std::vector<std::string_view>& words) {
-  static constexpr std::string_view kUnitWords[] = {
-      "unit", "units", "einheit", "einheiten", "unit\u00e9", "unit\u00e9s", "unidad", "unidades"};
-  CommentReading reading;
-  const auto speaks = std::find_if(words.begin(), words.end(), [](std::string_view word) {
-    return std::count(std::begin(kUnitWords), std::end(kUnitWords), folded_unit(word)) > 0;
-  });
-  // "ms, mm, mm, mm": a line of units below the names.
-  const bool are_units =
-      words.size() >= 3 && std::all_of(words.begin(), words.end(), [](std::string_view word) {
-        return find_length_unit(word) || find_time_unit(word);
-      });
-  if (speaks == words.end() && !are_units) return reading;
-  std::size_t unknown = 0;
-  for (auto word = are_units ? words.begin() : speaks + 1; word != words.end(); ++word) {
-    const auto length = find_length_unit(*word);
-    const auto time = find_time_unit(*word);
-    if (length && folded_unit(*word) == "in" && word + 1 != words.end()) continue;  // "in mm"
-    if (length && reading.length && *reading.length != *length) {
-      reading.problem =
-          "states several units of length; expected a header with one for each column";
-      return reading;
-    }
-    if (length) reading.length = length;
-    if (time) reading.time = time;
-    unknown += !length && !time;
-  }
-  const bool has_known = reading.length || reading.time;
-  if (!are_units && !has_known && unknown == 1 && words.end() - speaks == 2) {
-    reading.problem = "states the unit " + in_quotes(words.back()) +
-                      ", which is no known unit of length; expected " + std::string(kLengthUnits);
-  }
-  return reading;
-}
-
-// Units of positions on a screen, of angles and of encoders.
-bool is_foreign_unit(std::string_view word) {
-  static constexpr std::string_view kForeign[] = {
-      "px",      "pixel", "pixels", "vx",     "voxel",   "voxels", "deg",  "rad",
-      "degrees", "count", "counts", "parsec", "parsecs", "au",     "steps"};
-  return std::count(std::begin(kForeign), std::end(kForeign), folded_unit(word)) > 0;
-}
-
-// A word between a quantity and its unit.
-bool links(std::string_view word) {
-  static constexpr std::string_view kLinks[] = {"in", "are", "is", "as", "=", "sind"};
-  return std::count(std::begin(kLinks), std::end(kLinks), folded_unit(word)) > 0;
-}
-
-// "all positions in mm", "xyz [mm]", "mm".
-CommentReading read_unit_of_positions(std::string_view comment,
-                                      const std::vector<std::string_view>& words) {
-  static constexpr std::string_view kSubjects[] = {
-      "position", "positions",   "xyz",        "x/y/z",      "x",       "y",
-      "z",        "coordinates", "values",     "data",       "lengths", "distances",
-      "columns",  "everything",  "positionen", "koordinaten"};
-  CommentReading reading;
-  if (words.size() == 1) {
-    reading.length = find_length_unit(words[0]);
-    return reading;
-  }
-  static constexpr std::string_view kTimeSubjects[] = {"t",         "time",       "times",
-                                                       "timestamp", "timestamps", "zeit"};
-  const auto is_one_of = [](const auto& subjects, const std::string& word) {
-    return std::count(std::begin(subjects), std::end(subjects), word) > 0;
-  };
-  bool has_subject = false;
-  bool has_time_subject = false;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const char before =
-        i == 0 ? ' ' : comment[static_cast<std::size_t>(words[i].data() - comment.data()) - 1];
-    const bool is_named = before == '[' || before == '(' || (i > 0 && links(words[i - 1]));
-    if (has_time_subject && is_named && !reading.time) reading.time = find_time_unit(words[i]);
-    if (has_subject && is_named && !reading.length) {
-      reading.length = find_length_unit(words[i]);
-      const bool is_foreign = before == '[' || is_foreign_unit(words[i]);
-      if (is_foreign && !reading.length && !find_time_unit(words[i])) {
-        reading.problem = "states the unit " + in_quotes(words[i]) +
-                          ", which is no known unit of length; expected " +
-                          std::string(kLengthUnits);
-        return reading;
-      }
-    }
-    const std::string word = folded_unit(words[i]);
-    has_subject |= is_one_of(kSubjects, word);
-    has_time_subject |= is_one_of(kTimeSubjects, word);
-  }
-  return reading;
-}
-
 }  // namespace
+
+HeaderReading read_named_columns(std::string_view line) {
+  const Separator separator = separator_of_header(line);
+  return HeaderReader(read_column_names(line, separator), separator).read();
+}
 
 HeaderReading read_header(std::string_view line) {
   const Separator separator = separator_of_header(line);
   const std::vector<TextField> fields = split_fields(line, separator);
-  for (const std::string_view name : kTraceNames) {
-    const bool is_trace = std::any_of(fields.begin(), fields.end(),
-                                      [&](const TextField& field) { return field.text == name; });
-    if (is_trace) return read_trace_header(fields, separator);
-  }
-  HeaderReading reading = HeaderReader(read_column_names(line, separator), separator).read();
+  if (is_trace(fields)) return read_trace_header(fields, separator);
+  HeaderReading reading = read_named_columns(line);
   if (!reading.columns)
     reading.problem = "is the header " + in_quotes(line) + ", which " + reading.problem;
   return reading;
@@ -357,51 +263,6 @@ TrajectoryColumns columns_without_header(bool has_time) {
   columns.position = {first, first + 1, first + 2};
   if (has_time) columns.time = 0;
   return columns;
-}
-
-std::optional<double> rate_of_comment(std::string_view comment) {
-  static constexpr std::string_view kRateWords[] = {
-      "rate", "sampled", "sampling", "samplerate", "sample_rate", "frequency", "fs", "abtastrate"};
-  const std::vector<std::string_view> words = comment_words(comment);
-  bool has_rate_word = false;
-  bool has_hertz = false;  // also before the number: "rate (Hz): 500"
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    std::string word = folded_unit(words[i]);
-    while (word.starts_with('#')) word.erase(0, 1);
-    has_rate_word |= std::count(std::begin(kRateWords), std::end(kRateWords), word) > 0;
-    has_hertz |= word == "hz";
-    std::string_view number = word;
-    double factor = i + 1 < words.size() && folded_unit(words[i + 1]) == "khz" ? 1000.0 : 1.0;
-    const bool is_joined = number.size() > 2 && number.ends_with("hz");
-    if (is_joined) number.remove_suffix(2);
-    if (is_joined && number.ends_with('k')) number.remove_suffix(1), factor = 1000.0;
-    const bool is_hertz = is_joined || factor == 1000.0 || has_hertz || word == "fs" ||
-                          (i + 1 < words.size() && folded_unit(words[i + 1]) == "hz") ||
-                          (i > 0 && folded_unit(words[i - 1]) == "fs");
-    const Number value = parse_number(number);
-    if (!has_rate_word || !is_hertz || value.kind != NumberKind::kNumber) continue;
-    if (std::isfinite(value.value) && value.value > 0.0) return factor * value.value;
-  }
-  return std::nullopt;
-}
-
-CommentReading read_comment(std::string_view comment) {
-  const std::size_t begin = comment.find_first_not_of("#!%*- \t");
-  // "#,x,y,z": the first name is the sign itself.
-  const bool is_name = begin != std::string_view::npos && comment[begin] == ',';
-  if (begin == std::string_view::npos) return {};
-  if (!is_name) comment.remove_prefix(begin);
-  const std::string ascii = in_ascii(trimmed(comment));
-  const std::vector<std::string_view> words = comment_words(ascii);
-  CommentReading reading = read_stated_units(words);
-  if (reading.length || reading.time || !reading.problem.empty()) return reading;
-  const Separator separator = separator_of_header(ascii);
-  HeaderReading header = HeaderReader(read_column_names(ascii, separator), separator).read();
-  if (!header.columns || !header.columns->states_length) {
-    reading = read_unit_of_positions(ascii, words);
-  }
-  reading.columns = std::move(header.columns);
-  return reading;
 }
 
 }  // namespace palpate

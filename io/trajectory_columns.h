@@ -45,18 +45,11 @@ struct HeaderReading {
 // none.
 HeaderReading read_header(std::string_view line);
 
+// The same for names that are those of no trace. problem: the part after "is the header ...,
+// which".
+HeaderReading read_named_columns(std::string_view line);
+
 // The columns of a table without a header: x y z or t x y z.
 TrajectoryColumns columns_without_header(bool has_time);
-
-// What a comment states about units of positions and times.
-struct CommentReading {
-  std::optional<TrajectoryColumns> columns;  // the comment is a header
-  std::optional<LengthUnit> length;          // "units: mm", "all positions in mm"
-  std::optional<TimeUnit> time;
-  std::string problem;  // the comment states a unit that is not known
-};
-// The rate that a comment states, such as "sampled at 500 Hz", in Hz.
-std::optional<double> rate_of_comment(std::string_view comment);
-CommentReading read_comment(std::string_view comment);
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/trajectory_report.h"
 #include "engine/recording/recording_reader.h"
+#include "engine/scene/memory_budget.h"
 #include "engine/session/replay.h"
 #include "engine/session/trace_csv.h"
 
@@ -133,7 +135,14 @@ int ReplayCommand::run(const std::vector<std::string>&) {
   double& rate_Hz = options_.settings.rate_Hz;
   std::optional<double> given_rate_Hz;
   if (is_given("--rate")) given_rate_Hz = rate_Hz;
-  const Result<PlayedPath> path = read_played_path(trajectory_, given_rate_Hz, 1.0 / rate_Hz);
+  std::uint64_t max_memory_bytes = 0;
+  if (!scene_.max_memory.empty()) {
+    const Result<std::uint64_t> bytes = parse_bytes(scene_.max_memory);
+    if (!bytes) return refuse(bytes.error());
+    max_memory_bytes = *bytes;
+  }
+  const Result<PlayedPath> path =
+      read_played_path(trajectory_, given_rate_Hz, 1.0 / rate_Hz, max_memory_bytes);
   if (!path) return refuse(path.error());
   if (path->ticks_s && path->times->median_ns > 0) {
     // The nominal rate, for the work budget. A path may be slower than any device.

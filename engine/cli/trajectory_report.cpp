@@ -57,12 +57,13 @@ std::string rate_warning(const PlayedPath& path) {
 }  // namespace
 
 Result<PlayedPath> read_played_path(const std::string& file, std::optional<double> rate_Hz,
-                                    double single_s) {
+                                    double single_s, std::uint64_t max_memory_bytes) {
   Result<Trajectory> trajectory = read_trajectory(file, rate_Hz);
   if (!trajectory) return trajectory.error();
   PlayedPath path;
   path.file = file;
   path.notes = std::move(trajectory->notes);
+  path.comment_warnings = std::move(trajectory->warnings);
   path.positions_m = std::move(trajectory->positions_m);
   path.rate_Hz = 1.0 / single_s;
   if (trajectory->times_ns.empty()) {
@@ -81,8 +82,8 @@ Result<PlayedPath> read_played_path(const std::string& file, std::optional<doubl
     path.ticks_s = tick_lengths_s(trajectory->times_ns, single_s);
     return path;
   }
-  Result<RatePath> at_rate =
-      path_at_rate(path.positions_m, trajectory->times_ns, *rate_Hz, trajectory->has_summed_times);
+  Result<RatePath> at_rate = path_at_rate(path.positions_m, trajectory->times_ns, *rate_Hz,
+                                          trajectory->has_summed_times, max_memory_bytes);
   if (!at_rate) return at_rate.error();
   path.positions_m = std::move(at_rate->positions_m);
   path.interpolated = at_rate->interpolated;
@@ -112,8 +113,9 @@ std::string path_notes_text(const PlayedPath& path) {
 }
 
 nlohmann::ordered_json path_json(const PlayedPath& path) {
-  if (!path.times && path.notes.empty() && !path.other_rate_Hz) return nullptr;
-  nlohmann::ordered_json json = {{"notes", path.notes}, {"warnings", path_warnings(path)}};
+  const std::vector<std::string> warnings = path_warnings(path);
+  if (!path.times && path.notes.empty() && warnings.empty()) return nullptr;
+  nlohmann::ordered_json json = {{"notes", path.notes}, {"warnings", warnings}};
   if (!path.times) return json;
   const PathTimes& times = *path.times;
   json["rows"] = times.rows;
@@ -130,6 +132,9 @@ nlohmann::ordered_json path_json(const PlayedPath& path) {
 
 std::vector<std::string> path_warnings(const PlayedPath& path) {
   std::vector<std::string> warnings;
+  for (const std::string& warning : path.comment_warnings) {
+    warnings.push_back(printable(path.file + ": " + warning));
+  }
   if (path.other_rate_Hz) {
     warnings.push_back(
         printable(path.file) +

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/scene/memory_budget.h"
 #include "palpate/record.h"
@@ -71,13 +72,20 @@ std::vector<double> tick_lengths_s(std::span<const std::int64_t> times_ns, doubl
 
 Result<RatePath> path_at_rate(std::span<const Vec3> positions_m,
                               std::span<const std::int64_t> times_ns, double rate_Hz,
-                              bool are_summed) {
+                              bool are_summed, std::uint64_t max_memory_bytes) {
   const double period_ns = kNanosecondsInSecond / rate_Hz;
   const auto last_ns = static_cast<double>(times_ns.back());
   const double last_same_ns =
       kSameTime_ns + (are_summed ? sum_rounding_ns(last_ns / period_ns, period_ns) : 0.0);
   const double ticks = std::floor((last_ns + last_same_ns) / period_ns) + 1.0;
-  MemoryLedger ledger(default_memory_limit());
+  // More than is free cannot be given.
+  MemoryLimit limit = memory_limit(max_memory_bytes);
+  MemoryLimit free = default_memory_limit();
+  if (max_memory_bytes > 0 && free.bytes > 0 && free.bytes < limit.bytes) {
+    limit = std::move(free);
+    limit.option.clear();  // to raise it would not help
+  }
+  MemoryLedger ledger(std::move(limit));
   ledger.begin("recording the ticks");
   ledger.advise("lower --rate, or shorten the path");
   const double bytes =

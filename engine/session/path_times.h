@@ -58,10 +58,11 @@ struct RatePath {
 // position, to the bit. Between a position that is not finite and its neighbours, no position is
 // finite. are_summed: each time is a sum of time steps in doubles, as in a trace; "at a position's
 // time" then includes the rounding of the sum. Returns an error if there is not enough memory for a
-// run of that many ticks.
+// run of that many ticks. max_memory_bytes: a limit below half
+// of the free memory, which is always one; 0: none below.
 Result<RatePath> path_at_rate(std::span<const Vec3> positions_m,
                               std::span<const std::int64_t> times_ns, double rate_Hz,
-                              bool are_summed = false);
+                              bool are_summed = false, std::uint64_t max_memory_bytes = 0);
 
 // Two times are the same if they differ by the rounding to whole nanoseconds of both.
 inline constexpr double kSameTime_ns = 1.0;

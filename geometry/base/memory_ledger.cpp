@@ -39,8 +39,9 @@ std::optional<Error> MemoryLedger::take(const MemoryNeed& need) {
   std::string problem = std::string(step_) + " needs " + bytes_text(declared_);
   if (taken_ > 0) problem += " in addition to the " + bytes_text(taken_) + " already in use";
   problem += "; the limit is " + bytes_text(limit_.bytes) + ", " + limit_.origin;
-  return Error{ErrorCode::kLimitExceeded, "", element_, std::move(problem),
-               with_advice("raise the limit with " + limit_.option)};
+  return Error{
+      ErrorCode::kLimitExceeded, "", element_, std::move(problem),
+      with_advice(limit_.option.empty() ? "free memory" : "raise the limit with " + limit_.option)};
 }
 
 Error MemoryLedger::out_of_memory() const {

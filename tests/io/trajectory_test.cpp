@@ -123,7 +123,7 @@ TEST_F(TrajectoryFile, ReadsTimesToTheNanosecond) {
         Header{"t [\u03bcs],x,y,z\n", 1}, Header{"t\uff3bms\uff3d,x,y,z\n", 1000},
         Header{"time_min,x,y,z\n", 60'000'000}, Header{"timestamp,x,y,z\nms,m,m,m\n", 1000},
         Header{"# t [ms] x [m] y [m] z [m]\n", 1000}, Header{"# units: ms\n", 1000},
-        Header{"# time in ms, positions in m\n", 1000}}) {
+        Header{"# units: m, ms\n", 1000}}) {
     SCOPED_TRACE(header.text);
     const Trajectory read = trajectory(header.text + rows);
     EXPECT_EQ(read.positions_m, kTwoPoints);
@@ -228,31 +228,175 @@ TEST_F(TrajectoryFile, ConvertsUnitsOfLength) {
   EXPECT_EQ(mixed, std::vector<Vec3>{kTwoPoints[1]});
 }
 
-TEST_F(TrajectoryFile, ReadsUnitsInCommentsAndBelowNames) {
-  for (const char* text : {"x,y,z\nmm,mm,mm\n1000,-2500,3\n4000,0,-62.5\n",
-                           "# x [mm] y [mm] z [mm]\n1000 -2500 3\n4000 0 -62.5\n",
-                           "# units: mm\nx,y,z\n1000,-2500,3\n4000,0,-62.5\n",
-                           "x y z # all in mm\n# mm\n1000 -2500 3\n4000 0 -62.5\n",
-                           "# z_mm,x_mm,y_mm\n3,1000,-2500\n-62.5,4000,0\n",
-                           "# x,y,z\n# mm,mm,mm\n1000,-2500,3\n4000,0,-62.5\n",
-                           "# Position (mm), Time (s)\n1000 -2500 3\n4000 0 -62.5\n",
-                           "# positions in millimetres\n1000 -2500 3\n4000 0 -62.5\n"}) {
+TEST_F(TrajectoryFile, ReadsUnitsBelowNamesAndAfterThem) {
+  for (const char* text :
+       {"x,y,z\nmm,mm,mm\n1000,-2500,3\n4000,0,-62.5\n",
+        "# units: mm\nx,y,z\n1000,-2500,3\n4000,0,-62.5\n",
+        "x y z # a pen\n# units: mm\n1000 -2500 3\n4000 0 -62.5\n",
+        "# units: mm\n# unit = mm\n# x [mm] y [mm] z [mm]\n1000 -2500 3\n4000 0 -62.5\n",
+        "# z_mm,x_mm,y_mm\n3,1000,-2500\n-62.5,4000,0\n"}) {
     SCOPED_TRACE(text);
-    EXPECT_EQ(positions(text), kTwoPoints);
+    const Trajectory read = trajectory(text);
+    EXPECT_EQ(read.positions_m, kTwoPoints);
+    EXPECT_FALSE(read.notes.empty());
+    EXPECT_TRUE(read.warnings.empty());
   }
-  for (const char* comment : {"# vx [[1e-3]]", "# a sphere of 50 mm", "# x y z of the pen",
-                              "# recorded at 5 mm/s", "# x y z (see README)", "# scale 0.001"}) {
-    SCOPED_TRACE(comment);
-    EXPECT_EQ(positions(std::string(comment) + "\n1 -2.5 3e-3\n4 0 -0.0625\n"), kTwoPoints);
+}
+
+// A comment is applied, or refused, or text; a unit in a text is named in a warning.
+struct CommentCase {
+  const char* comment;
+  double metres;     // of a 1 in the file; 0: refused
+  const char* said;  // in the warning or in the error; empty: nothing
+  const char* rows = "1 1 1\n2 2 2\n";
+};
+const char* const kFour = "0 1 1 1\n0.5 2 2 2\n";
+const char* const kForces = "1 1 1 9\n2 2 2 9\n";
+const char* const kFive = "0 1 1 1 9\n0.5 2 2 2 9\n";
+const CommentCase kComments[] = {
+    // Texts.
+    {"# positions are in metres", 1, ""},
+    {"# values are in the device frame", 1, ""},
+    {"# The data is in SI units", 1, ""},
+    {"# data are in chronological order", 1, ""},
+    {"# columns are in the order x y z", 1, ""},
+    {"# position is in m", 1, ""},
+    {"# x, y, z are in meters", 1, ""},
+    {"# positions are given as in ISO 9283", 1, ""},
+    {"# positions (in)", 1, ""},
+    {"# data (m. smith, 2020)", 1, ""},
+    {"# positions in a 3 m room", 1, ""},
+    {"# data (f, 23 y), (m, 25 y)", 1, ""},
+    {"# axes: x right, y up, z in", 1, ""},
+    {"# x = left, y = up, z = in", 1, ""},
+    {"# unit test data", 1, ""},
+    {"# units", 1, ""},
+    {"# measurement unit: IMU 3", 1, ""},
+    {"# unit 5 m, run 3", 1, ""},
+    {"# data [run 3]", 1, ""},
+    {"# positions of the tip [see README]", 1, ""},
+    {"# x range [0, 1]", 1, ""},
+    {"# x y z (see README)", 1, ""},
+    {"# recorded at 5 mm/s", 1, ""},
+    {"# vx [[1e-3]]", 1, ""},
+    {"# t is zero at the start", 1, "", kFour},
+    // Texts with a unit.
+    {"# positions are in mm", 1, "line 1, a comment, names mm"},
+    {"# tip position, mm", 1, "names mm"},
+    {"# measured in mm", 1, "names mm"},
+    {"# all in mm", 1, "names mm"},
+    {"# mm", 1, "names mm"},
+    {"# a sphere of 50mm", 1, "names mm"},
+    {"# x_mm", 1, "names mm"},
+    {"# units-mm", 1, "names mm"},
+    {"# {\"units\": \"mm\"}", 1, "names mm"},
+    {"# positions in \u00b5m", 1, "names um"},
+    {"# positions in inches", 1, "names inches"},
+    {"# all in Millimetres.", 1, "names Millimetres"},
+    {"# positions in furlongs", 1, "names furlongs"},
+    {"# screen pixels", 1, "names pixels"},
+    {"# 1 unit = 0.1 mm", 1, "names mm"},
+    {"# positions in 1e-3 m", 1, "names 1e-3 m"},
+    {"# positions in 1/1000 m", 1, "names 1/1000 m"},
+    {"# x [mm]\n# y [cm]\n# z [mm]", 1, "line 1, a comment, names mm"},
+    {"# time in ms", 1, "names ms; t is read as seconds", kFour},
+    {"# x y z of the pen", 1, ""},
+    {"# t x y z of the pen", 1, "", kFour},
+    {"# x y z of the pen", 1, "names x, y and z among 6 columns", kFour},
+    // Units.
+    {"# units: mm", 1e-3, ""},
+    {"# Unit = CM", 1e-2, ""},
+    {"# units: \"mm\"", 1e-3, ""},
+    {"# units: [mm]", 1e-3, ""},
+    {"# length_unit: mm", 1e-3, ""},
+    {"# position units are mm", 1e-3, ""},
+    {"# units are in mm", 1e-3, ""},
+    {"# unit: in", 0.0254, ""},
+    {"# units: mm, mm, mm", 1e-3, ""},
+    {"# units: mm and s", 1e-3, "", kFour},
+    {"# units: SI", 1, ""},
+    {"// units: mm", 1e-3, ""},
+    {"# units: px", 0, "\"px\" is no known unit"},
+    {"# units: 10 um", 0, "\"10\" is no known unit"},
+    {"# units: 1e-3 m", 0, "\"1e-3\" is no known unit"},
+    {"# units: 1/1000 m", 0, "\"1/1000\" is no known unit"},
+    {"# units = hundredths of mm", 0, "\"hundredths\" is no known unit"},
+    {"# units: mm/s", 0, "\"mm/s\" is no known unit"},
+    {"# length unit: s", 0, "\"s\" is no known unit"},
+    {"# units: mm, cm", 0, "expected one unit of length"},
+    {"# units: mm\n# units: m", 0, "line 2: states other units of length than line 1"},
+    {"# units: ms\n# units: s", 0, "line 2: states other units of time than line 1", kFour},
+    {"# units: mm\n# x [cm] y [cm] z [cm]", 0, "states other units of length"},
+    {"# units: mm\nx [cm] y [cm] z [cm]", 0, "line 2: states other units of length than line 1"},
+    {"x [cm] y [cm] z [cm]\n# units: mm", 0, "line 2: states other units of length than line 1"},
+    {"# all in mm\nx [cm] y [cm] z [cm]", 1e-2, ""},
+    // Columns.
+    {"# x [mm] y [mm] z [mm]", 1e-3, ""},
+    {"# x [mm] | y [mm] | z [mm]", 1e-3, ""},
+    {"# x, y, z, # units: mm", 1e-3, ""},
+    {"# Columns: t [s], x [mm], y [mm], z [mm]", 1e-3, "", kFour},
+    {"# data format = t x y z", 1, "", kFour},
+    {"# (t, x, y, z)", 1, "", kFour},
+    {"# t x y z force [N]", 1, "", kFive},
+    {"# x,y,z,alpha [deg]", 1, "", kForces},
+    {"# columns: x y z pressure", 1, "", kForces},
+    {"# x y z force", 1, "", kForces},
+    {"# columns: x y z pressure", 0, "names x, y and z among 4 columns"},
+    {"# x y z", 0, "names x, y and z among 3 columns", kFour},
+    {"# x, y, z, f", 0, "names x, y and z among 4 columns"},
+    {"# t x y z\n# z y x t", 0, "line 2: states other columns than line 1", kFour},
+    {"# x [px] y [px] z [px]", 0, "\"px\""},
+    {"# x [mm], y [mm], z", 0, "units for 2 of the columns"},
+    // Traces and names like those of a trace.
+    {"# units: m\nt,device_x,device_y,device_z", 1, "", "0,1,1,1\n0.5,2,2,2\n"},
+    {"# in mm\nt,device_x,device_y,device_z", 1, "", "0,1,1,1\n0.5,2,2,2\n"},
+    {"# units: mm\nt,device_x,device_y,device_z", 0, "line 2: is the header of a trace",
+     "0,1,1,1\n0.5,2,2,2\n"},
+    {"# units: mm\ntime,device_x,device_y,device_z", 1e-3, "", "0,1,1,1\n0.5,2,2,2\n"},
+};
+
+TEST_F(TrajectoryFile, AppliesCommentsOfTwoForms) {
+  for (const CommentCase& c : kComments) {
+    SCOPED_TRACE(c.comment);
+    const std::string text = std::string(c.comment) + "\n" + c.rows;
+    if (c.metres == 0.0) {
+      const std::string said = message(text);
+      EXPECT_NE(said.find(c.said), std::string::npos) << said;
+      continue;
+    }
+    const Trajectory read = trajectory(text);
+    ASSERT_EQ(read.positions_m.size(), 2u);
+    // Inches are rounded twice.
+    const double rounding = std::numeric_limits<double>::epsilon() * c.metres;
+    EXPECT_LE((read.positions_m[0].array() - c.metres).abs().maxCoeff(), rounding);
+    EXPECT_EQ(read.notes.empty(), c.metres == 1.0 && c.rows != kForces && c.rows != kFive);
+    const std::string said = read.warnings.empty() ? "" : read.warnings[0];
+    EXPECT_EQ(said.empty(), std::string(c.said).empty()) << said;
+    EXPECT_NE(said.find(c.said), std::string::npos) << said;
+    EXPECT_LE(read.warnings.size(), 1u);
+    const bool has_times = c.rows == kFour || c.rows == kFive || c.rows[1] == ',';
+    EXPECT_EQ(read.times_ns.empty(), !has_times);
+    if (has_times) {
+      EXPECT_EQ(read.times_ns.back(), 500'000'000);
+    }
   }
-  expect_message("# x [px] y [px] z [px]\n1 2 3\n", "line 1: ", "\"px\"");
-  expect_message("# units: parsec\n1 2 3\n", "line 1: ", "\"parsec\"");
-  expect_message("# units: mm\nx [cm],y [cm],z [cm]\n1,2,3\n", "line 2: ", "other units");
+}
+
+TEST_F(TrajectoryFile, ReadsTimesBesideTheNamesOfATrace) {
+  for (const char* name : {"time_ms", "t [ms]", "t_ms", "timestamp [ms]", "T (ms)"}) {
+    SCOPED_TRACE(name);
+    const Trajectory read = trajectory(
+        std::string(name) + ",device_x,device_y,device_z\n0,1,-2.5,3e-3\n2,4,0,-0.0625\n");
+    EXPECT_EQ(read.positions_m, kTwoPoints);
+    EXPECT_EQ(read.times_ns, (std::vector<std::int64_t>{0, 2'000'000}));
+  }
 }
 
 TEST_F(TrajectoryFile, ReadsTheRateThatACommentStates) {
   for (const char* comment :
-       {"# sampled at 500 Hz", "# rate: 0.5kHz", "# Sampling frequency (Hz): 500", "# fs = 500"}) {
+       {"# sampled at 500 Hz", "# rate: 0.5kHz", "# Sampling frequency (Hz): 500", "# fs = 500",
+        "# dt = 0.002 s", "# dt=2ms", "# sample_period: 2 ms", "# sampling rate: 500",
+        "# 500 Hz"}) {
     const Trajectory read = trajectory(std::string("\n") + comment + "\n1 2 3\n");
     EXPECT_EQ(read.stated_rate_Hz, 500.0) << comment;
     EXPECT_EQ(read.stated_rate_line, 2u);
@@ -372,7 +516,8 @@ TEST_F(TrajectoryFile, NamesTheLineOfAFieldThatIsNotANumber) {
   expect_message("1,,3\n", "line 1: ", "column 2 is empty");
   expect_message("1,2,3,\n", "line 1: ", "column 4 is empty");
   expect_message(",1,2\n", "line 1: ", "column 1 is empty");
-  expect_message(std::string("1 2 3\n1 2 \x01\0\x7f\n", 13), "line 2: ", "column 3 is \"???\"");
+  expect_message(std::string("1 2 3\n1 2 \x01\0\x7f\n", 13),
+                 "line 2: ", "column 3 is \"" + std::string("\x01\0\x7f", 3) + "\"");
 }
 
 TEST_F(TrajectoryFile, RefusesLinesOfAnotherLength) {
@@ -433,7 +578,7 @@ TEST_F(TrajectoryFile, RejectsAnIncompleteTrace) {
   expect_message(start + "0,1,2,3,\n", "line 3: ", "time \"0\" does not increase");
   expect_message(start + ",1,2,3,\n", "line 3: ", "column 1 is empty");
   for (const char* header :
-       {"t,device_x,device_y,goal_z", "device_x,device_y,device_z,device_x", "device_y,x,y,z"}) {
+       {"t,device_x,device_y,goal_z", "t,device_x,device_y,device_z,device_x", "device_y,x,t,z"}) {
     expect_message(std::string(header) + "\n1,2,3,4\n", "line 1: ", "device_x, device_y and");
   }
   const std::string said = message("device_x,device_y,device_z\n");
