@@ -212,7 +212,7 @@ int run(const RunRequest& command) {
   // Recordings are whole also where the results cannot be written.
   const auto refuse_results = [&recordings](const Error& error) {
     for (const RecordingResult& recording : recordings) std::cerr << recording_text(recording);
-    for (const std::string& line : recording_warnings(recordings)) warn(line);
+    finish_output(recording_warnings(recordings));
     return refuse(error);
   };
   const auto done = explore_and_write(command, *prepared, *files, recordings);

@@ -535,6 +535,7 @@ TEST(SweepMerge, NamesMissingPointsAndOtherRuns) {
   other["hypercube"]["seed"] = 4;
   sweep_into(b, Shard{2, 2}, 1, sweep_of(other));
   expect_refused({a, b}, part_identity_path(b), "/plan/hash");
+  fs::remove_all(b);  // trials that are in no results keep another run out
   ASSERT_TRUE(run_experiment(quick_sweep().plan, {b, {}, 1, false}, sweep_stand_in()).ok());
   expect_refused({b}, part_identity_path(b), "is of an experiment; expected a sweep");
   EXPECT_EQ(*kind_of_run_in(a), RunKind::kSweep);
