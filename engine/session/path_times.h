@@ -58,8 +58,8 @@ struct RatePath {
 // position, to the bit. Between a position that is not finite and its neighbours, no position is
 // finite. are_summed: each time is a sum of time steps in doubles, as in a trace; "at a position's
 // time" then includes the rounding of the sum. Returns an error if there is not enough memory for a
-// run of that many ticks. max_memory_bytes: a limit below half
-// of the free memory, which is always one; 0: none below.
+// run of that many ticks. The limit is half of the free
+// memory, or max_memory_bytes if that is less and not 0.
 Result<RatePath> path_at_rate(std::span<const Vec3> positions_m,
                               std::span<const std::int64_t> times_ns, double rate_Hz,
                               bool are_summed = false, std::uint64_t max_memory_bytes = 0);
