@@ -45,8 +45,9 @@ bool is_part_of(const std::string& name, const std::string& target_name) {
   return numbers.find_first_not_of("0123456789-") == std::string::npos;
 }
 
-// Removes temporary files that killed writers of this file have left.
-void remove_leftovers(const std::string& target_path) {
+// Removes temporary files that killed writers of this file have left. An error if one of them is an
+// input of the program.
+std::optional<Error> remove_leftovers(const std::string& target_path) {
   const fs::path target(target_path);
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   std::error_code failed;
@@ -63,9 +64,15 @@ void remove_leftovers(const std::string& target_path) {
     if (descriptor < 0) continue;
     struct stat status = {};
     const bool is_file = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
-    if (is_file && lock_part(descriptor) == PartLock::kMine) ::unlink(leftover.c_str());
+    std::optional<Error> error;
+    if (is_file && lock_part(descriptor) == PartLock::kMine) {
+      error = add_output(leftover.string());
+      if (!error) ::unlink(leftover.c_str());
+    }
     ::close(descriptor);
+    if (error) return error;
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -83,18 +90,13 @@ class WholeFile::Output {
 
   const std::string& path() const { return path_; }
 
-  // Returns 0 or errno, as do the other functions.
-  int open() {
-    if (path_.empty()) return ENOENT;
-    std::error_code code;
-    const fs::file_status status = fs::status(path_, code);
-    if (fs::is_directory(status)) return EISDIR;
-    if (fs::exists(status) && !fs::is_regular_file(status)) {
-      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
-      return descriptor_ >= 0 ? 0 : errno;
-    }
-    if (const int reason = follow_links()) return reason;
-    return open_part();
+  std::optional<Error> open() {
+    const int reason = find_target();
+    if (reason != 0) return write_error(path_, reason);
+    if (descriptor_ >= 0) return std::nullopt;  // not a regular file
+    if (auto error = remove_leftovers(target_path_)) return error;
+    if (const int failure = open_part()) return write_error(path_, failure);
+    return std::nullopt;
   }
 
   void add(std::string_view text) {
@@ -102,6 +104,7 @@ class WholeFile::Output {
     buffer_ += text;
   }
 
+  // Returns 0 or errno, as do the functions below.
   int finish() {
     flush();
     // The duplicate keeps the lock until the file has its final name: another writer of the same
@@ -115,6 +118,19 @@ class WholeFile::Output {
   }
 
  private:
+  // Opens the path if it denotes, for example, a pipe, and otherwise finds the file to replace.
+  int find_target() {
+    if (path_.empty()) return ENOENT;
+    std::error_code code;
+    const fs::file_status status = fs::status(path_, code);
+    if (fs::is_directory(status)) return EISDIR;
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+      return descriptor_ >= 0 ? 0 : errno;
+    }
+    return follow_links();
+  }
+
   // Finds the target: a link is kept; the file to which it leads is replaced, or made.
   int follow_links() {
     fs::path target(path_);
@@ -130,7 +146,6 @@ class WholeFile::Output {
   }
 
   int open_part() {
-    remove_leftovers(target_path_);
     for (int attempt = 0; attempt < kMaxNameAttempts; ++attempt) {
       std::string name = target_path_ + "." + std::to_string(::getpid()) + "-" +
                          std::to_string(attempt) + std::string(kPartEnding);
@@ -184,7 +199,7 @@ WholeFile::~WholeFile() = default;
 Result<WholeFile> WholeFile::create(const std::string& path) {
   if (auto error = add_output(path)) return *error;
   auto output = std::make_unique<Output>(path);
-  if (const int reason = output->open()) return write_error(path, reason);
+  if (auto error = output->open()) return *error;
   return WholeFile(std::move(output));
 }
 
