@@ -111,7 +111,10 @@ std::string outcome_text(const RunOutcome& outcome, const DealtSettings& setting
             "/parts from an earlier run of this plan\n";
   }
   if (outcome.kept_trials > 0) {
-    text += "kept " + kept_trials_text(outcome.kept_trials, kParticipant) + " from there\n";
+    text += outcome.kept.empty()
+                ? "kept " + count_text(outcome.kept_trials, "trial") + " in " + folder +
+                      "/parts from an earlier run of this plan\n"
+                : "kept " + kept_trials_text(outcome.kept_trials, kParticipant) + " from there\n";
   }
   return text + (outcome.merged ? merged_text(*outcome.merged, folder)
                                 : shard_text(outcome, settings, kParticipant, "experiment"));

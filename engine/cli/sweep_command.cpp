@@ -23,7 +23,10 @@ std::string outcome_text(const SweepOutcome& outcome, const DealtSettings& setti
             "/parts from an earlier run of this sweep\n";
   }
   if (outcome.kept_trials > 0) {
-    text += "kept " + kept_trials_text(outcome.kept_trials, kPoint) + " from there\n";
+    text += outcome.kept.empty()
+                ? "kept " + count_text(outcome.kept_trials, "trial") + " in " + folder +
+                      "/parts from an earlier run of this sweep\n"
+                : "kept " + kept_trials_text(outcome.kept_trials, kPoint) + " from there\n";
   }
   return text + (outcome.merged ? merged_text(*outcome.merged, folder)
                                 : shard_text(outcome, settings, kPoint, "sweep"));

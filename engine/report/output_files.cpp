@@ -81,17 +81,46 @@ bool is_hidden_name(std::string_view name) {
          });
 }
 
-// Removes hidden folders whose command is no longer alive.
-void remove_leftovers(const fs::path& folder) {
+// An error if a file anywhere in this folder is an input of the program.
+std::optional<Error> check_holds_no_input(const fs::path& folder) {
   std::error_code failed;
-  std::vector<fs::path> leftovers;
+  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    if (auto error = add_output(entry->path().string())) return error;
+  }
+  return std::nullopt;
+}
+
+// The hidden folders in this folder.
+std::vector<fs::path> hidden_folders(const fs::path& folder) {
+  std::error_code failed;
+  std::vector<fs::path> hidden;
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
        entry.increment(failed)) {
-    if (is_hidden_name(entry->path().filename().string())) leftovers.push_back(entry->path());
+    if (is_hidden_name(entry->path().filename().string())) hidden.push_back(entry->path());
   }
+  return hidden;
+}
+
+// Finds the hidden folders whose command is no longer alive. What they hold are outputs from now
+// on: an error if the program has read one of them, and later if it reads one.
+Result<std::vector<fs::path>> find_leftovers(const fs::path& folder) {
+  std::vector<fs::path> leftovers;
+  for (const fs::path& hidden : hidden_folders(folder)) {
+    const FolderLock lock(hidden);
+    if (!lock.is_open() || lock.lock() != FolderLock::Outcome::kLocked) continue;
+    if (auto error = check_holds_no_input(hidden)) return *error;
+    leftovers.push_back(hidden);
+  }
+  return leftovers;
+}
+
+// Removes the leftovers, unless a file in them has become an input in the meantime.
+void remove_leftovers(const std::vector<fs::path>& leftovers) {
   for (const fs::path& leftover : leftovers) {
     const FolderLock lock(leftover);
     if (!lock.is_open() || lock.lock() != FolderLock::Outcome::kLocked) continue;
+    if (check_holds_no_input(leftover)) continue;
     std::error_code ignored;
     fs::remove_all(leftover, ignored);
   }
@@ -111,6 +140,7 @@ struct OutputFiles::State {
   std::vector<fs::path> made_folders;  // outermost first
   fs::path hidden;                     // empty: not created yet, or removed
   std::optional<FolderLock> lock;
+  std::vector<fs::path> leftovers;  // hidden folders of commands that were killed
 
   State(std::string folder_given, std::vector<std::string> names_given)
       : folder(std::move(folder_given)), names(std::move(names_given)) {}
@@ -233,7 +263,9 @@ Result<OutputFiles> OutputFiles::create(const std::string& folder, std::vector<s
   auto state = std::make_unique<State>(folder, std::move(names));
   if (auto error = state->take_folder()) return *error;
   if (auto error = state->check_names()) return *error;
-  remove_leftovers(folder);
+  auto leftovers = find_leftovers(folder);
+  if (!leftovers) return leftovers.error();
+  state->leftovers = std::move(*leftovers);
   if (auto error = state->make_hidden_folder()) return *error;
   return OutputFiles(std::move(state));
 }
@@ -290,6 +322,7 @@ std::optional<Error> OutputFiles::move_into_place() {
   std::error_code ignored;
   fs::remove_all(s.hidden, ignored);
   s.hidden.clear();
+  remove_leftovers(s.leftovers);  // not before all inputs are known
   return std::nullopt;
 }
 

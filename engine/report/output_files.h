@@ -12,14 +12,14 @@ namespace palpate {
 // The result files of one command in one folder. All files appear there together, or none does.
 //
 // The files are first written into a hidden folder inside this folder. If the command fails, or is
-// killed while it writes, previous results remain unchanged; the next command removes a hidden
-// folder that a killed command has left. Moving the files into place also removes every file that
-// has one of the command's names and was not written this time, so that the folder never contains
-// old results beside new ones. If the command is killed during this move, some files may be
-// missing. Those that are present are complete, and the file with the last of the names is present
-// only if all others are. Other files in the folder are not touched. A link with one of the names
-// is replaced; its target is unchanged. No name may belong to an input of the program
-// (file_roles.h), also not through a link.
+// killed while it writes, previous results remain unchanged; the next command that
+// succeeds removes a hidden folder that a killed command has left. Moving the files into place also
+// removes every file that has one of the command's names and was not written this time, so that the
+// folder never contains old results beside new ones. If the command is killed during this move,
+// some files may be missing. Those that are present are complete, and the file with the last of the
+// names is present only if all others are. Other files in the folder are not touched. A link with
+// one of the names is replaced; its target is unchanged. No name may belong to an input of the
+// program (file_roles.h), also not through a link.
 //
 // As long as an object lives, other processes are kept out of the folder (OutputLock).
 //

@@ -1,6 +1,7 @@
 #include "geometry/base/file_roles.h"
 
 #include <atomic>
+#include <fcntl.h>
 #include <map>
 #include <mutex>
 #include <sys/stat.h>
@@ -48,16 +49,33 @@ Error input_is_output(const std::string& input, const std::string& output) {
           "is an input, but the same file as " + output + ", which would replace it", kHint};
 }
 
-// An error if a standard stream is redirected to this file.
+bool is_redirected_to(int descriptor, const FileId& file) {
+  struct stat status = {};
+  return ::fstat(descriptor, &status) == 0 && id_of(status) == file;
+}
+
+// What the program prints on this stream from now on is lost.
+void discard_stream(int descriptor) {
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere < 0) {
+    ::close(descriptor);
+    return;
+  }
+  ::dup2(nowhere, descriptor);
+  ::close(nowhere);
+}
+
+// An error if a standard stream is redirected to this file. Nothing is printed into the file
+// afterwards, not even the error.
 std::optional<Error> check_streams(const FileId& file, const std::string& path) {
+  std::optional<Error> error;
   for (const auto& [descriptor, name] :
        {std::pair(STDOUT_FILENO, "standard output"), std::pair(STDERR_FILENO, "standard error")}) {
-    struct stat status = {};
-    if (::fstat(descriptor, &status) == 0 && id_of(status) == file) {
-      return input_is_output(path, name);
-    }
+    if (!is_redirected_to(descriptor, file)) continue;
+    discard_stream(descriptor);
+    if (!error) error = input_is_output(path, name);
   }
-  return std::nullopt;
+  return error;
 }
 
 std::optional<Error> add_input(const struct stat& status, const std::string& path) {

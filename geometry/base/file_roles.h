@@ -18,7 +18,8 @@ namespace palpate {
 void watch_file_roles();
 
 // The program reads this file. An error that names both files if it also writes it, or if standard
-// output or standard error is redirected to it.
+// output or standard error is redirected to it; that stream then leads to /dev/null, so that not
+// even the error gets into the file.
 std::optional<Error> add_input(const std::string& path);
 std::optional<Error> add_input(int descriptor, const std::string& path);
 

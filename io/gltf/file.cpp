@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 #include "geometry/base/file_roles.h"
 #include "geometry/base/parallel.h"
@@ -68,6 +70,47 @@ bool has_scheme(const std::string& uri) {
   if (colon == std::string::npos || colon == 0) return false;
   const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.";
   return uri.find_first_not_of(allowed) == colon;
+}
+
+bool begins_with(const std::string& uri, const std::string& lower_case) {
+  return uri.size() >= lower_case.size() &&
+         std::equal(lower_case.begin(), lower_case.end(), uri.begin(), [](char expected, char c) {
+           return c == expected || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == expected);
+         });
+}
+
+// The path of file:///path, file://host/path and file:path; any other URI as it is.
+std::string without_file_scheme(const std::string& uri) {
+  const std::string scheme = "file:";
+  if (!begins_with(uri, scheme)) return uri;
+  std::string path = uri.substr(scheme.size());
+  if (!path.starts_with("//")) return path;
+  const std::size_t begin = path.find('/', 2);
+  return begin == std::string::npos ? path.substr(2) : path.substr(begin);
+}
+
+// Every name that some reader may take the URI for: with and without its query and fragment, with
+// "\\" as a separator, percent-decoded and as it is. None for a data URI.
+std::vector<std::string> possible_names(const std::string& uri) {
+  if (uri.empty() || begins_with(uri, "data:")) return {};
+  std::vector<std::string> names = {without_file_scheme(uri)};
+  // Adds the changed form of each name found so far.
+  const auto vary = [&](const auto& changed) {
+    const std::size_t count = names.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      std::optional<std::string> name = changed(names[i]);
+      if (name && !name->empty() && *name != names[i]) names.push_back(std::move(*name));
+    }
+  };
+  using Name = std::optional<std::string>;
+  vary([](const std::string& name) { return Name(name.substr(0, name.find('#'))); });
+  vary([](const std::string& name) { return Name(name.substr(0, name.find('?'))); });
+  vary([](std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return Name(std::move(name));
+  });
+  vary(percent_decoded);
+  return names;
 }
 
 bool lies_inside(const std::filesystem::path& folder, const std::filesystem::path& file) {
@@ -157,10 +200,10 @@ Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_b
 }
 
 std::optional<Error> add_referenced_input(const std::string& folder, const std::string& uri) {
-  if (has_scheme(uri)) return std::nullopt;
-  const auto decoded = percent_decoded(uri);
-  if (!decoded || decoded->empty()) return std::nullopt;
-  return add_input((std::filesystem::path(folder) / *decoded).string());
+  for (const std::string& name : possible_names(uri)) {
+    if (auto error = add_input((std::filesystem::path(folder) / name).string())) return error;
+  }
+  return std::nullopt;
 }
 
 Result<std::string> resolve_inside(const std::string& folder, const std::string& uri) {

@@ -51,7 +51,9 @@ Result<FileBytes> read_regular_file(const std::string& path, std::uint64_t max_b
                                     MemoryLedger* memory = nullptr);
 
 // Makes the file that a URI of an asset names an input of the program (file_roles.h), whether it is
-// read or not. folder: the folder of the asset. Data URIs and missing files have no effect.
+// read or not, and whether resolve_inside() takes it or not: with the scheme "file", with a query
+// or a fragment, with "\" as a separator, and with a percent sign that is no escape. folder: the
+// folder of the asset. Data URIs and missing files have no effect.
 std::optional<Error> add_referenced_input(const std::string& folder, const std::string& uri);
 
 // The file that a relative URI reference of an asset names, percent-decoded. folder: the folder of

@@ -465,18 +465,31 @@ class SceneReader {
   std::size_t morphed_meshes_ = 0;
 };
 
-// The files that the asset names are inputs, also those that nothing reads, such as colours.
+// The files that the asset names are inputs, also those that nothing reads, such as colours and the
+// sounds and lamps of extensions: each string named "uri", wherever it is. Iterative; the stack has
+// as many levels as the JSON, at most kMaxGltfJsonDepth.
 std::optional<Error> add_referenced_inputs(const Json& root, const std::string& folder) {
-  for (const char* const section : {"buffers", "images"}) {
-    const auto elements = root.find(section);
-    if (elements == root.end() || !elements->is_array()) continue;
-    for (const Json& element : *elements) {
-      if (!element.is_object()) continue;
-      const auto uri = element.find("uri");
-      if (uri == element.end() || !uri->is_string()) continue;
-      if (auto error = add_referenced_input(folder, uri->get_ref<const std::string&>())) {
+  struct Level {
+    const Json& value;
+    Json::const_iterator next;
+  };
+  std::vector<Level> levels;
+  levels.push_back({root, root.begin()});
+  while (!levels.empty()) {
+    Level& level = levels.back();
+    if (level.next == level.value.end()) {
+      levels.pop_back();
+      continue;
+    }
+    const Json& child = *level.next;
+    const bool is_uri = child.is_string() && level.value.is_object() && level.next.key() == "uri";
+    ++level.next;
+    if (is_uri) {
+      if (auto error = add_referenced_input(folder, child.get_ref<const std::string&>())) {
         return error;
       }
+    } else if (child.is_structured()) {
+      levels.push_back({child, child.begin()});
     }
   }
   return std::nullopt;

@@ -42,7 +42,12 @@ class Case:
         length, = struct.unpack("<I", glb[12:16])
         gltf = json.loads(glb[20:20 + length])
         gltf["buffers"][0]["uri"] = "own%20data.bin"
-        gltf["images"] = [{"uri": "colour.png"}]
+        gltf["images"] = [{"uri": "colour.png"}, {"uri": f"file://{self.folder}/absolute.png"},
+                          {"uri": "x%y.png"}, {"uri": "tex\\cut%20a.png?v=1#2"}]
+        gltf["extensions"] = {"EXT_lights_ies": {"lights": [{"uri": "lamp.ies"}]},
+                              "KHR_audio_emitter": {"audio": [{"uri": "tone.mp3"}]}}
+        for name in ("absolute.png", "x%y.png", "tex/cut a.png", "lamp.ies", "tone.mp3"):
+            self.write(name, b"never read either")
         self.write("own.gltf", json.dumps(gltf).encode())
         self.write("own data.bin", glb[28 + length:])
         self.write("colour.png", b"never read")
@@ -52,6 +57,7 @@ class Case:
         self.write("own.json", shipped.read_bytes())
 
     def write(self, name, content):
+        (self.folder / name).parent.mkdir(exist_ok=True)
         (self.folder / name).write_bytes(content)
 
     def call(self, *arguments, **options):
@@ -99,6 +105,9 @@ def check_files(palpate, models, place):
         for spelling in spellings(case, name):
             case.expect_refused(["replay", scene, "--trajectory", "way.txt", "--out", spelling],
                                 [spelling, name])
+    case = Case(palpate, models, place)
+    for name in ("absolute.png", "x%y.png", "tex/cut a.png", "lamp.ies", "tone.mp3"):
+        case.expect_refused(["replay", "own.gltf", "--trajectory", "way.txt", "--out", name], [name])
     case = Case(palpate, models, place)
     case.expect_done("run", "own.glb", "--virtual", "--seconds", "2", "--a4", "on", "--record",
                      "own.palpate", "--out", "ran")
@@ -149,7 +158,7 @@ def check_folders(palpate, models, place):
 
 
 def check_streams(palpate, models, place):
-    """Standard output that is appended to the input."""
+    """Standard output and standard error that are appended to the input."""
     case = Case(palpate, models, place)
     for name in ("own.gltf", "colour.png"):
         before = case.contents()
@@ -157,6 +166,26 @@ def check_streams(palpate, models, place):
             done = case.call("info", "own.gltf", stdout=stream, stderr=subprocess.PIPE)
         check(done.returncode == 2 and "standard output" in done.stderr, done.stderr)
         check(case.contents() == before, f"{name} has changed")
+        for stdout in (subprocess.PIPE, subprocess.STDOUT):
+            with open(case.folder / name, "ab") as stream:
+                target = stream if stdout == subprocess.STDOUT else stdout
+                done = case.call("info", "own.gltf", stdout=target, stderr=stream)
+            check(done.returncode == 2, f"exit code {done.returncode}")
+            check(case.contents() == before, f"{name} has changed by the refusal")
+
+
+def check_leftovers(palpate, models, place):
+    """Inputs that have the name of what a killed command leaves."""
+    case = Case(palpate, models, place)
+    name = "trace.csv.1-0.part"
+    os.rename(case.folder / "way.txt", case.folder / name)
+    case.expect_refused(["replay", "own.glb", "--trajectory", name, "--out", "trace.csv"], [name])
+    os.makedirs(case.folder / "out/.palpate-unfinished-abc123/deep")
+    name = "out/.palpate-unfinished-abc123/deep/own.glb"
+    os.rename(case.folder / "own.glb", case.folder / name)
+    for command in (["run", name, "--virtual", "--seconds", "2"], ["accuracy", name, "--quick", "--knob", "a4_step"],
+                    ["compare", name, "--hands", "2"], ["soak", name, "--minutes", "0.04"]):
+        case.expect_refused([*command, "--out", "out"], [name])
 
 
 def columns_and_ticks(trace):
@@ -198,6 +227,7 @@ def main():
         check_files(palpate, models, place)
         check_folders(palpate, models, place)
         check_streams(palpate, models, place)
+        check_leftovers(palpate, models, place)
         check_allowed(palpate, models, place)
 
 
