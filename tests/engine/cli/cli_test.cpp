@@ -851,7 +851,9 @@ TEST_F(CommandLine, DescribesASceneInJson) {
   const Outcome o = expect_done({"info", kCube, "--json"});
   EXPECT_EQ(o.err, "");
   const json info = json::parse(o.out);
-  EXPECT_EQ(keys_of(info), sorted({"nodes",
+  EXPECT_EQ(keys_of(info), sorted({"hidden_nodes",
+                                   "scenes",
+                                   "nodes",
                                    "meshes",
                                    "instances",
                                    "triangles_in",

@@ -327,7 +327,7 @@ TEST_F(DeviceRunProgram, RecordsWhatReplaysToTheBit) {
   EXPECT_EQ(result["recordings"][0]["ticks"], result["runs"][0]["ticks"]);
   EXPECT_GT(result["runs"][0]["contact_ticks"], 0);
   const Outcome info = run_program(folder, {"recording", "info", recording});
-  EXPECT_NE(info.out.find("0 dropped: trip"), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("  ended         trip ("), std::string::npos) << info.out;
   const Outcome replayed = run_program(folder, {"replay", recording});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
 }

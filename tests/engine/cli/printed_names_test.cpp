@@ -230,7 +230,7 @@ TEST_P(PrintedNames, DoNotControlTheTerminalAndAreNotMarkupInRuns) {
   const std::string way = folder.write("way.txt", "0 0 0.2\n0 0 0.1\n0 0 0.04\n");
   expect_done({"replay", path, "--trajectory", way, "--pose", "#0@1"});
   const Outcome replayed = expect_done({"replay", path, "--trajectory", way, "--json"});
-  EXPECT_EQ(json::parse(replayed.out)["not_understood"].size(), 3u);
+  EXPECT_EQ(json::parse(replayed.out)["not_understood"].size(), 4u);
 }
 
 // Slow, so only for the last name.

@@ -294,10 +294,8 @@ TEST(RecordingCommand, ACopyOverItselfIsRefused) {
   fs::create_symlink("a.palpate", folder.path("link"));
   const std::string before = content_of(folder.path("a.palpate"));
   for (const char* to : {"a.palpate", "./a.palpate", "link"}) {
-    expect_one_line(run_program(folder, {"recording", "export", "a.palpate", "--csv", to}),
-                    "--csv");
-    expect_one_line(run_program(folder, {"recording", "repair", "a.palpate", "--out", to}),
-                    "--out");
+    expect_one_line(run_program(folder, {"recording", "export", "a.palpate", "--csv", to}), to);
+    expect_one_line(run_program(folder, {"recording", "repair", "a.palpate", "--out", to}), to);
   }
   EXPECT_EQ(content_of(folder.path("a.palpate")), before);
 }
