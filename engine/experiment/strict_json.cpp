@@ -135,11 +135,8 @@ void ObjectReader::text(const char* key, std::string& value, Key need, std::size
 void ObjectReader::flag(const char* key, bool& value, Key need) {
   const Json* const found = find(key, need);
   if (!found) return;
-  const bool is_bit = found->is_number() && (*found == 0 || *found == 1);
-  if (!found->is_boolean() && !is_bit) {
-    return fail(unexpected_value(element_of(key), *found, "true or false, or 1 or 0"));
-  }
-  value = is_bit ? *found == 1 : found->get<bool>();
+  if (!found->is_boolean()) return fail(unexpected_value(element_of(key), *found, "true or false"));
+  value = found->get<bool>();
 }
 
 void ObjectReader::number(const char* key, double& value, const NumberRange& range, Key need) {

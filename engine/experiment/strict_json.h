@@ -63,7 +63,6 @@ class ObjectReader {
   // A text of 1 to most_bytes bytes without control characters.
   void text(const char* key, std::string& value, Key need = Key::kRequired,
             std::size_t most_bytes = kMostNameBytes);
-  // true or false; 1 and 0 count as these.
   void flag(const char* key, bool& value, Key need = Key::kRequired);
   void number(const char* key, double& value, const NumberRange& range, Key need = Key::kRequired);
   void number(const char* key, std::optional<double>& value, const NumberRange& range);  // optional

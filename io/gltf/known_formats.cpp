@@ -64,7 +64,7 @@ constexpr Signature kSignatures[] = {
 constexpr std::string_view kObjWords[] = {"v", "vn", "vt",     "f",      "o",
                                           "g", "s",  "mtllib", "usemtl", "#"};
 
-std::string_view trimmed(std::string_view text) {
+std::string_view from_first_word(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   return first == text.npos ? std::string_view() : text.substr(first);
 }
@@ -81,7 +81,7 @@ bool is_obj(std::string_view text) {
   bool has_vertex = false;
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
-    const std::string_view line = trimmed(text.substr(0, end));
+    const std::string_view line = from_first_word(text.substr(0, end));
     const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
     const bool is_word =
         word.empty() || word.front() == '#' ||
@@ -100,7 +100,7 @@ std::optional<KnownFormat> known_format(std::string_view start) {
     if (start.size() < signature.offset) continue;
     if (start.substr(signature.offset).starts_with(signature.bytes)) return signature.format;
   }
-  const std::string_view text = trimmed(start);
+  const std::string_view text = from_first_word(start);
   for (const std::string_view html : {"<!doctype html"sv, "<html"sv}) {
     if (starts_with_ignoring_case(text, html)) {
       return KnownFormat{"an HTML page", "download the file itself, not the page about it"};

@@ -195,7 +195,7 @@ TEST_F(ExperimentPowerTest, NeverReplacesThePilot) {
     fs::create_symlink(folder.path(path), folder.path("link.csv"));
     for (const std::string& pilot : {path, std::string("link.csv"), "out/../" + path}) {
       expect_refused({"--pilot", pilot, "--out", "out"},
-                     {std::string("--out: has the result ") + name + ", which is the pilot"});
+                     {path + ": is the same file as the input " + pilot, "choose another"});
     }
     fs::remove(folder.path("link.csv"));
     fs::remove(folder.path(path));

@@ -358,7 +358,7 @@ const std::vector<Breakage>& broken_plans() {
        [](Json& j) {
          j["objects"]["O2"] = {{"file", "a.glb"}, {"feel_hidden", 2}};
        },
-       "/objects/O2/feel_hidden", "true or false, or 1 or 0"},
+       "/objects/O2/feel_hidden", "true or false"},
       {"object whose gaps are a text",
        [](Json& j) {
          j["objects"]["O2"] = {{"file", "a.glb"}, {"close_gaps_m", "auto"}};
