@@ -21,6 +21,7 @@
 #include "engine/cli/scene_options.h"
 #include "engine/cli/setting_texts.h"
 #include "engine/cli/shard_option.h"
+#include "engine/experiment/compare_results.h"
 #include "engine/experiment/compare_run.h"
 #include "engine/experiment/strategy_report.h"
 #include "engine/experiment/strategy_tables.h"
@@ -141,11 +142,12 @@ std::string compare_heading(const CompareSettings& settings, const FollowingComp
          " hands of " + settings.person + ", seed " + std::to_string(settings.seed) + "\n";
 }
 
-std::string results_text(const CompareSettings& settings, const CompareOutcome& outcome,
+std::string results_text(const CompareSettings& settings,
+                         const std::vector<FollowingComparison>& followings,
                          const CompareRequest& request) {
-  std::string text = compare_heading(settings, outcome.followings.front());
-  for (const FollowingComparison& following : outcome.followings) {
-    if (outcome.followings.size() > 1) text += "\nfollowing " + following.following + "\n";
+  std::string text = compare_heading(settings, followings.front());
+  for (const FollowingComparison& following : followings) {
+    if (followings.size() > 1) text += "\nfollowing " + following.following + "\n";
     text += comparison_text(following);
   }
   return text + kSimulatedHandsSentence + "\nreport.html, comparison.json and " +
@@ -154,19 +156,21 @@ std::string results_text(const CompareSettings& settings, const CompareOutcome& 
 
 int report_results(const CompareSettings& settings, const CompareOutcome& outcome,
                    const CompareRequest& request) {
+  const auto followings = compare_results(settings, request.out_dir);
+  if (!followings) return refuse(with_compare_options(followings.error()));
   auto files = OutputFiles::create(request.out_dir, comparison_report_names());
   if (!files) return refuse(files.error());
-  if (const auto error = write_comparison_report(settings, outcome.followings, *files)) {
+  if (const auto error = write_comparison_report(settings, *followings, *files)) {
     return refuse(*error);
   }
   {
     const SignalPhaseScope not_now(SignalPhase::kDeferred);
     if (const auto error = files->move_into_place()) return refuse(*error);
   }
-  std::cout << (request.json ? comparison_json(settings, outcome.followings)
-                             : results_text(settings, outcome, request));
+  std::cout << (request.json ? comparison_json(settings, *followings)
+                             : results_text(settings, *followings, request));
   const bool is_complete = std::all_of(
-      outcome.followings.begin(), outcome.followings.end(),
+      followings->begin(), followings->end(),
       [](const FollowingComparison& following) { return following.incomplete().empty(); });
   const int code = finish_output(outcome.runs.front().scene_warnings);
   return exit_code_after_signals(code == 0 && !is_complete ? kIncompleteTrials : code);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_progress.h"
 #include "engine/cli/sweep_command.h"
+#include "engine/experiment/canonical_merge.h"
 #include "engine/experiment/canonical_plan.h"
 #include "engine/experiment/canonical_rows.h"
 #include "engine/experiment/canonical_run.h"
@@ -29,6 +31,7 @@
 #include "engine/experiment/experiment_run.h"
 #include "engine/experiment/paper_plan.h"
 #include "engine/experiment/plan.h"
+#include "engine/experiment/result_names.h"
 #include "engine/experiment/shipped_files.h"
 #include "engine/experiment/trial.h"
 #include "engine/experiment/trials_file.h"
@@ -143,15 +146,31 @@ int run_with_progress(const DealtSettings& settings, std::vector<std::string> wa
   return exit_code_after_signals(finish_output(warnings));
 }
 
+struct WholeCanonicalRun : DealtOutcome {
+  std::optional<MergedCanonical> merged;  // no value: a shard, or stopped
+};
+
+Result<WholeCanonicalRun> run_whole_canonical(const CanonicalPlan& plan,
+                                              const DealtSettings& settings,
+                                              const std::function<void(const RunProgress&)>& show) {
+  auto done = run_canonical(plan, settings, show, &signal_flag());
+  if (!done) return done.error();
+  WholeCanonicalRun outcome{std::move(*done), std::nullopt};
+  if (settings.shard || !outcome.not_done.empty()) return outcome;
+  auto merged = merge_canonical({settings.out_folder}, settings.out_folder);
+  if (!merged) return merged.error();
+  outcome.merged = std::move(*merged);
+  return outcome;
+}
+
 int run_canonical_plan(const CanonicalPlan& plan, const DealtSettings& settings,
                        bool writes_traces) {
   if (writes_traces) {
     return refuse(invalid_argument("--traces", "is given with a canonical plan; expected no traces",
                                    "leave it out"));
   }
-  return run_with_progress(settings, {}, [&](const auto& show) {
-    return run_canonical(plan, settings, show, &signal_flag());
-  });
+  return run_with_progress(
+      settings, {}, [&](const auto& show) { return run_whole_canonical(plan, settings, show); });
 }
 
 int run_plan(const ExperimentRunRequest& request) {
@@ -313,7 +332,7 @@ int analyse(const ExperimentAnalyseRequest& request) {
     std::error_code failed;
     const fs::path folder = request.source.file;
     if (fs::is_directory(folder, failed)) {
-      error.hint = canonical_results_in(folder.string()).empty()
+      error.hint = results_in(folder.string(), RunKind::kCanonical).empty()
                        ? "name the file of trials in it, such as " + (folder / kTrialsFile).string()
                        : (folder / kCanonicalPage).string() + " has the analysis of this run";
     }

@@ -1,13 +1,16 @@
 #include "engine/cli/sweep_command.h"
 
+#include <functional>
 #include <iostream>
 #include <sstream>
+#include <utility>
 
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_progress.h"
+#include "engine/experiment/sweep_run.h"
 #include "engine/experiment/trial.h"
 
 namespace palpate {
@@ -15,7 +18,23 @@ namespace {
 
 constexpr const char* kPoint = "point";
 
-std::string outcome_text(const SweepOutcome& outcome, const DealtSettings& settings) {
+struct WholeSweep : SweepOutcome {
+  std::optional<MergedSweep> merged;  // no value: a shard, or stopped
+};
+
+Result<WholeSweep> run_whole_sweep(const Sweep& sweep, const DealtSettings& settings,
+                                   const std::function<void(const RunProgress&)>& show) {
+  auto done = run_sweep(sweep, settings, {find_trial_way, run_trial}, show, &signal_flag());
+  if (!done) return done.error();
+  WholeSweep outcome{std::move(*done), std::nullopt};
+  if (settings.shard || !outcome.not_done.empty()) return outcome;
+  auto merged = merge_sweep({settings.out_folder}, settings.out_folder);
+  if (!merged) return merged.error();
+  outcome.merged = std::move(*merged);
+  return outcome;
+}
+
+std::string outcome_text(const WholeSweep& outcome, const DealtSettings& settings) {
   const std::string& folder = settings.out_folder;
   std::string text;
   if (!outcome.kept.empty()) {
@@ -75,7 +94,7 @@ int run_sweep_command(const SweepRequest& request) {
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   const auto outcome = [&] {
     ProgressBar bar("sweep");
-    return run_sweep(*sweep, *settings, {find_trial_way, run_trial}, shown_in(bar), &signal_flag());
+    return run_whole_sweep(*sweep, *settings, shown_in(bar));
   }();
   if (!outcome) return refuse(outcome.error());
   if (!outcome->not_done.empty()) return report_interruption(*outcome, kPoint, request.out_dir);

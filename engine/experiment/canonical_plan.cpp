@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/devices/light_device.h"
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/canonical_wall.h"
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/paper_plan.h"
@@ -18,7 +19,6 @@
 #include "engine/experiment/plan_device.h"
 #include "engine/experiment/plan_operator.h"
 #include "engine/experiment/shipped_files.h"
-#include "engine/experiment/statistics_text.h"
 #include "engine/experiment/strict_json.h"
 
 namespace palpate {

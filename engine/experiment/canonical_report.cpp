@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/canonical_means.h"
 #include "engine/experiment/canonical_plot.h"
 #include "engine/experiment/statistics_text.h"

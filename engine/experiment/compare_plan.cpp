@@ -17,12 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using PlanJson = nlohmann::ordered_json;
 
-std::vector<Strategy> tuned_levels() {
-  std::vector<Strategy> levels;
-  for (const double e : kTunedAnisotropies) levels.push_back({StrategyKind::kAnisotropic, e});
-  return levels;
-}
-
 // "my star.glb" becomes "my_star".
 std::string object_name_of(const std::string& path) {
   std::string name = fs::path(path).stem().string();
@@ -120,6 +114,12 @@ std::string plan_text(const CompareSettings& settings, CompareHands hands, const
 
 }  // namespace
 
+std::vector<Strategy> tuned_levels() {
+  std::vector<Strategy> levels;
+  for (const double e : kTunedAnisotropies) levels.push_back({StrategyKind::kAnisotropic, e});
+  return levels;
+}
+
 Result<CompareSettings> with_strategies(CompareSettings settings, std::string_view list) {
   settings.strategies.clear();
   settings.is_tuned = false;
@@ -176,19 +176,6 @@ Result<ExperimentPlan> compare_plan(const CompareSettings& settings, CompareHand
   const std::string text =
       plan_text(settings, hands, [](const std::string& scene) { return scene; });
   return parse_plan(text, "", "");
-}
-
-ComparedStrategies compared_strategies(const CompareSettings& settings,
-                                       const ExperimentPlan& plan) {
-  ComparedStrategies compared;
-  for (const Strategy& strategy : settings.strategies) {
-    compared.strategies.push_back(name_of(strategy));
-  }
-  for (const Strategy& level : settings.is_tuned ? tuned_levels() : std::vector<Strategy>{}) {
-    compared.levels.push_back(name_of(level));
-  }
-  for (const PlanObject& object : plan.objects) compared.scenes.push_back(object.name);
-  return compared;
 }
 
 }  // namespace palpate

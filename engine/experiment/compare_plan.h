@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine/experiment/plan.h"
-#include "engine/experiment/strategy_comparison.h"
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
 #include "geometry/base/result.h"
@@ -17,8 +16,11 @@
 
 namespace palpate {
 
-// The values of E that are tried to tune kTunedStrategy.
+// The name of the strategy that stands for the best of several values of E.
+inline constexpr const char* kTunedStrategy = "anisotropic";
+// The values of E that are tried.
 inline constexpr std::array<double, 6> kTunedAnisotropies = {1.0 / 16, 0.25, 0.5, 2.0, 4.0, 16.0};
+std::vector<Strategy> tuned_levels();
 
 struct CompareSettings {
   std::vector<std::string> scenes;  // paths of glTF files, from the current folder
@@ -52,8 +54,5 @@ std::string compare_plan_text(const CompareSettings& settings, CompareHands hand
 // The plan itself, whose scenes have the paths of the settings, so that errors name them. Errors of
 // the plan have no path.
 Result<ExperimentPlan> compare_plan(const CompareSettings& settings, CompareHands hands);
-
-// What the plans compare.
-ComparedStrategies compared_strategies(const CompareSettings& settings, const ExperimentPlan& plan);
 
 }  // namespace palpate

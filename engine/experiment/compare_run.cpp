@@ -3,10 +3,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "engine/experiment/experiment_merge.h"
-#include "engine/experiment/trials_file.h"
 #include "engine/report/whole_file.h"
-#include "geometry/base/file_roles.h"
 
 namespace palpate {
 namespace {
@@ -31,31 +28,6 @@ double share_of_trials(const std::vector<ExperimentPlan>& plans, std::size_t run
   std::uint64_t all = 0;
   for (const ExperimentPlan& plan : plans) all += plan.trials_per_participant();
   return static_cast<double>(plans[run].trials_per_participant()) / static_cast<double>(all);
-}
-
-Result<std::vector<TrialRow>> trial_rows_in(const std::string& folder, CompareHands hands) {
-  const OwnResultsScope own;
-  return read_trials((fs::path(compare_trials_folder(folder, hands)) / kTrialsFile).string());
-}
-
-Result<std::vector<FollowingComparison>> compare_rows(const CompareSettings& settings,
-                                                      const ExperimentPlan& plan,
-                                                      const std::string& folder) {
-  const auto rows = trial_rows_in(folder, CompareHands::kCompared);
-  if (!rows) return rows.error();
-  std::vector<TrialRow> tuning_rows;
-  if (settings.is_tuned) {
-    auto read = trial_rows_in(folder, CompareHands::kTuning);
-    if (!read) return read.error();
-    tuning_rows = std::move(*read);
-  }
-  const ComparedStrategies compared = compared_strategies(settings, plan);
-  std::vector<FollowingComparison> followings;
-  for (const Following following : plan.followings) {
-    const std::string name(kFollowingNames[static_cast<std::size_t>(following)]);
-    followings.push_back(compare_strategies(*rows, tuning_rows, compared, name));
-  }
-  return followings;
 }
 
 }  // namespace
@@ -111,10 +83,6 @@ Result<CompareOutcome> run_comparison(const CompareSettings& settings,
     outcome.runs.push_back(std::move(*done));
     if (is_stopped) return outcome;
   }
-  if (run.shard) return outcome;
-  auto followings = compare_rows(settings, plans.front(), folder);
-  if (!followings) return followings.error();
-  outcome.followings = std::move(*followings);
   return outcome;
 }
 

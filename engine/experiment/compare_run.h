@@ -10,7 +10,6 @@
 
 #include "engine/experiment/compare_plan.h"
 #include "engine/experiment/experiment_run.h"
-#include "engine/experiment/strategy_comparison.h"
 #include "engine/session/stop_flag.h"
 #include "geometry/base/result.h"
 
@@ -23,15 +22,12 @@ std::string compare_plan_path(const std::string& folder, CompareHands hands);
 struct CompareOutcome {
   // The runs: of the compared hands and, if a strategy is tuned, of the tuning hands.
   std::vector<ExperimentRunOutcome> runs;
-  // One for each following, in the order of the plan; empty: a shard, or stopped.
-  std::vector<FollowingComparison> followings;
   OutputLock lock;  // of the folder: the caller may write the report there
 };
 
-// Runs the plans as run_experiment() does, writes them, and compares the strategies. run:
-// out_folder is the folder of the comparison. Trials that exist there from an earlier run of the
-// same plan are kept; so shards in one folder, followed by a call without a shard, give the same
-// bytes as one call.
+// Runs the plans as run_experiment() does, and writes them. run: out_folder is the folder of the
+// comparison. Trials that exist there from an earlier run of the same plan are kept; so shards in
+// one folder, followed by a call without a shard, give the same bytes as one call.
 Result<CompareOutcome> run_comparison(const CompareSettings& settings,
                                       const ExperimentRunSettings& run,
                                       const TrialFunctions& functions,

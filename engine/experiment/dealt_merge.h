@@ -13,9 +13,6 @@
 
 namespace palpate {
 
-// The name of the result that states the identity of every run. It is the last one to appear.
-inline constexpr const char* kRunFile = "run.json";
-
 // The kind of the run whose parts are in a folder. The error names a folder without parts, or the
 // element of its parts/run.json.
 Result<RunKind> kind_of_run_in(const std::string& folder);

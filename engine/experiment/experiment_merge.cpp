@@ -5,10 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/experiment/canonical_run.h"
 #include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/run_identity.h"
-#include "engine/experiment/sweep_run.h"
 #include "engine/experiment/trials_file.h"
 
 namespace palpate {
@@ -48,13 +46,11 @@ Result<MergedExperiment> merge_experiment(const std::vector<std::string>& folder
   const auto rows =
       parse_trials(trials, (std::filesystem::path(out_folder) / kTrialsFile).string());
   if (!rows) return rows.error();
-  std::vector<std::string> obsolete = canonical_results_in(out_folder);
-  for (std::string& name : sweep_result_names_in(out_folder)) obsolete.push_back(std::move(name));
   if (auto error = write_results(out_folder,
                                  {{kTrialsFile, trials},
                                   {kColumnsFile, columns_csv(identity.columns())},
                                   {kRunFile, run_json(identity, *rows)}},
-                                 obsolete)) {
+                                 results_of_other_kinds_in(out_folder, identity.kind))) {
     return *error;
   }
   MergedExperiment merged{identity.units, rows->size(), {}};

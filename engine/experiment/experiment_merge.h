@@ -13,10 +13,6 @@
 
 namespace palpate {
 
-// The names of the results in the folder of an experiment, besides kRunFile.
-inline constexpr const char* kTrialsFile = "trials.csv";
-inline constexpr const char* kColumnsFile = "columns.csv";
-
 struct MergedExperiment {
   int participants = 0;
   std::uint64_t trials = 0;

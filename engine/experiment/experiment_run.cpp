@@ -33,7 +33,7 @@ DealtRun dealt_experiment(const ExperimentPlan& plan, const std::vector<Experime
   DealtRun run;
   run.units = identity.dealt_units(trials_columns(identity.columns()));
   run.identity_json = identity.json();
-  run.result_names = {kTrialsFile, kColumnsFile, kRunFile};
+  run.result_names = result_names(identity.kind);
   run.trials = [&plan](int) { return plan.trials_per_participant(); };
   run.compute = [&, traces](int participant, UnitTrials& trials) {
     return run_participant(plan, scenes, functions, participant, traces, trials);

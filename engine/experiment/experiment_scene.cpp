@@ -6,9 +6,9 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/plan_device.h"
-#include "engine/experiment/statistics_text.h"
 #include "engine/scene/load_warnings.h"
 #include "engine/simulation/placed_bounds.h"
 #include "engine/simulation/plane_height.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/intervals.h"
 #include "engine/experiment/statistics_text.h"
 #include "engine/experiment/trial_means.h"

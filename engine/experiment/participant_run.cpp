@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/experiment/statistics_text.h"
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/trial_order.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/report/csv.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/paper_findings.h"
-#include "engine/experiment/statistics_text.h"
 
 namespace palpate {
 namespace {

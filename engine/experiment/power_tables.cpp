@@ -5,11 +5,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/intervals.h"
 #include "engine/experiment/power_fit.h"
 #include "engine/experiment/power_notes.h"
 #include "engine/experiment/power_text.h"
-#include "engine/experiment/statistics_text.h"
 
 namespace palpate {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "engine/experiment/analysis_plots.h"
 #include "engine/experiment/analysis_tables.h"
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/statistics_tables.h"
 #include "engine/experiment/statistics_text.h"
 #include "engine/report/html.h"

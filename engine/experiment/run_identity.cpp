@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/experiment/canonical_plan.h"
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/strict_json.h"
 
@@ -84,21 +83,6 @@ void read_strategy_names(ObjectReader& reader, std::vector<std::string>& strateg
   }
 }
 
-// What plans of participants have in common.
-template <typename Plan>
-RunIdentity identity_of_persons(const Plan& plan) {
-  RunIdentity identity;
-  identity.version = PALPATE_VERSION;
-  identity.plan_name = plan.name;
-  identity.plan = plan.hash;
-  identity.seed = plan.seed;
-  identity.units = plan.participants;
-  identity.operator_name = plan.person.name;
-  identity.operator_version = plan.person.version;
-  identity.operator_file = plan.person.hash;
-  return identity;
-}
-
 std::vector<std::pair<std::string, std::string>> flat(const RunIdentity& identity) {
   std::vector<std::pair<std::string, std::string>> entries;
   const nlohmann::json json = nlohmann::json(json_of(identity)).flatten();
@@ -107,6 +91,10 @@ std::vector<std::pair<std::string, std::string>> flat(const RunIdentity& identit
 }
 
 }  // namespace
+
+std::string version_of_palpate() {
+  return PALPATE_VERSION;
+}
 
 std::uint64_t RunIdentity::hash() const {
   KeyHash key;
@@ -128,7 +116,7 @@ std::string RunIdentity::json() const {
 }
 
 RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<ExperimentScene>& scenes) {
-  RunIdentity identity = identity_of_persons(plan);
+  RunIdentity identity = identity_of_persons(RunKind::kExperiment, plan);
   const std::size_t objects = plan.objects.size();
   for (std::size_t i = 0; i < objects; ++i) {
     std::uint64_t geometry = scenes[i].geometry_hash;
@@ -138,12 +126,6 @@ RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<Experiment
     identity.scenes.push_back({plan.objects[i].name, scenes[i].file_hash, geometry});
   }
   for (const Strategy& strategy : plan.strategies) identity.strategies.push_back(name_of(strategy));
-  return identity;
-}
-
-RunIdentity identity_of(const CanonicalPlan& plan) {
-  RunIdentity identity = identity_of_persons(plan);
-  identity.kind = RunKind::kCanonical;
   return identity;
 }
 

@@ -12,28 +12,12 @@
 
 #include "engine/experiment/experiment_scene.h"
 #include "engine/experiment/plan.h"
+#include "engine/experiment/result_names.h"
 #include "engine/experiment/trials_file.h"
 #include "engine/experiment/unit_part.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
-
-struct CanonicalPlan;
-
-// What is run (dealt_run.h), and what its units are.
-enum class RunKind : std::uint8_t { kExperiment, kCanonical, kSweep };
-struct RunKindWords {
-  std::string_view name;  // in run.json; empty: the entry is absent
-  std::string_view noun;  // of a unit
-  const char* nouns;      // the entry of their count in run.json
-};
-inline constexpr std::array<RunKindWords, 3> kRunKinds = {
-    {{"", "participant", "participants"},
-     {"canonical", "participant", "participants"},
-     {"sweep", "point", "points"}}};
-constexpr const RunKindWords& words_of(RunKind kind) {
-  return kRunKinds[static_cast<std::size_t>(kind)];
-}
 
 struct RunIdentity {
   struct SceneHashes {
@@ -66,8 +50,25 @@ struct RunIdentity {
   std::string json() const;
 };
 
+std::string version_of_palpate();
+
+// The identity of a run of a plan of persons, without scenes and strategies.
+template <typename Plan>
+RunIdentity identity_of_persons(RunKind kind, const Plan& plan) {
+  RunIdentity identity;
+  identity.kind = kind;
+  identity.version = version_of_palpate();
+  identity.plan_name = plan.name;
+  identity.plan = plan.hash;
+  identity.seed = plan.seed;
+  identity.units = plan.participants;
+  identity.operator_name = plan.person.name;
+  identity.operator_version = plan.person.version;
+  identity.operator_file = plan.person.hash;
+  return identity;
+}
+
 RunIdentity identity_of(const ExperimentPlan& plan, const std::vector<ExperimentScene>& scenes);
-RunIdentity identity_of(const CanonicalPlan& plan);
 
 // Reads the text of json(). path: for messages.
 Result<RunIdentity> parse_identity(const std::string& text, const std::string& path);

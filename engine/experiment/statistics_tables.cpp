@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/experiment/analysis_tables.h"
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/intervals.h"
 #include "engine/experiment/statistics_text.h"
 #include "engine/report/html.h"

@@ -16,12 +16,6 @@ std::string with_decimals(double value, int decimals) {
   return std::string(text.data(), end.ptr);
 }
 
-std::string as_printed(double value) {
-  std::array<char, 64> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
-  return std::string(text.data(), end.ptr);
-}
-
 std::string p_number(double p) {
   if (std::isnan(p)) return "-";
   if (p < 0.001) return "< 0.001";

@@ -16,8 +16,6 @@ std::string f_text(double f, double df1, double df2);
 std::string number_or_dash(double value);
 // A number with this many decimals; "-" for NaN.
 std::string with_decimals(double value, int decimals);
-// The fewest digits that identify the number, for numbers of the paper: "836.377", "25".
-std::string as_printed(double value);
 // "2", "1572.3"
 std::string df_text(double df);
 

@@ -10,15 +10,13 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/experiment/compare_plan.h"
 #include "engine/experiment/compared_measures.h"
 #include "engine/experiment/intervals.h"
 #include "engine/experiment/strategy_trials.h"
 #include "engine/experiment/trial_row.h"
 
 namespace palpate {
-
-// The name of the strategy that stands for the best of several values of E.
-inline constexpr const char* kTunedStrategy = "anisotropic";
 
 // How a strategy takes part in a comparison.
 enum class StrategyRole : std::uint8_t {

@@ -6,9 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/sweep_plots.h"
-#include "engine/experiment/sweep_run.h"
 #include "engine/experiment/sweep_tables.h"
 #include "engine/report/html.h"
 #include "engine/report/html_table.h"
@@ -18,8 +16,6 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kSweepPage = "report.html";
-constexpr const char* kSweepJson = "sweep_results.json";
 constexpr const char* kSharesSentence =
     "Shares are of our ranges, not of people: they say at how many drawn hands and devices a "
     "ranking holds, and nobody knows how people are spread over these ranges.";
@@ -353,13 +349,6 @@ std::string sweep_html(const SweepAnalysis& analysis, const RunIdentity& identit
 }
 
 }  // namespace
-
-std::vector<std::string> sweep_result_names() {
-  std::vector<std::string> names{kSweepFile, kSweepPage, kSweepJson};
-  for (const std::string_view name : kSweepTableNames) names.push_back(std::string(name) + ".csv");
-  names.emplace_back(kRunFile);
-  return names;
-}
 
 std::vector<std::pair<std::string, std::string>> sweep_report(const SweepAnalysis& analysis,
                                                               const RunIdentity& identity,

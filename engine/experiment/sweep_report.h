@@ -11,9 +11,6 @@
 
 namespace palpate {
 
-// The names of all results of a sweep; the last one is that of the identity.
-std::vector<std::string> sweep_result_names();
-
 // Names and texts of report.html, sweep_results.json and a CSV file for each table of
 // sweep_tables.h. Appends to `warnings` if figures could not be drawn.
 std::vector<std::pair<std::string, std::string>> sweep_report(const SweepAnalysis& analysis,

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "engine/experiment/sweep_points.h"
+#include "engine/experiment/trial_outcome.h"
 #include "engine/experiment/trial_row.h"
-#include "engine/experiment/trial_table.h"
 #include "engine/report/csv.h"
 #include "geometry/base/result.h"
 

@@ -1,28 +1,16 @@
 #include "engine/experiment/sweep_run.h"
 
-#include <filesystem>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
-#include "engine/experiment/canonical_run.h"
-#include "engine/experiment/dealt_merge.h"
-#include "engine/experiment/experiment_merge.h"
 #include "engine/experiment/key_hash.h"
 #include "engine/experiment/participant_run.h"
 #include "engine/experiment/run_identity.h"
-#include "engine/experiment/strict_json.h"
-#include "engine/experiment/sweep_analysis.h"
-#include "engine/experiment/sweep_report.h"
 #include "engine/experiment/sweep_rows.h"
 #include "engine/experiment/sweep_scenes.h"
 #include "engine/experiment/trials_file.h"
-#include "geometry/base/file_roles.h"
 
 namespace palpate {
 namespace {
-
-namespace fs = std::filesystem;
 
 // The hash of a scene's geometry covers all scales.
 RunIdentity identity_of_sweep(const Sweep& sweep, const SweepScenes& scenes, std::size_t points) {
@@ -76,7 +64,7 @@ DealtRun dealt_sweep(const Sweep& sweep, const std::vector<SweepPoint>& points,
   DealtRun run;
   run.units = identity.dealt_units(sweep_columns());
   run.identity_json = identity.json();
-  run.result_names = sweep_result_names();
+  run.result_names = result_names(identity.kind);
   run.trials = [&sweep, point_of](int number) {
     return static_cast<std::uint64_t>(point_of(number).participants) *
            sweep.plan.trials_per_participant();
@@ -85,34 +73,6 @@ DealtRun dealt_sweep(const Sweep& sweep, const std::vector<SweepPoint>& points,
     return run_point(sweep, number, point_of(number), scenes, functions, trials);
   };
   return run;
-}
-
-// The results of other kinds in the folder that those of a sweep do not overwrite.
-std::vector<std::string> results_of_other_kinds_in(const std::string& folder) {
-  std::vector<std::string> names = experiment_results_in(folder);
-  for (std::string& name : canonical_results_in(folder)) names.push_back(std::move(name));
-  if (!names.empty()) names.emplace_back(kColumnsFile);
-  return names;
-}
-
-MergedSweep counts_of(const SweepAnalysis& analysis) {
-  MergedSweep merged;
-  merged.points = static_cast<int>(analysis.points.size());
-  for (const SweepRow& row : analysis.rows) {
-    merged.trials += static_cast<std::uint64_t>(row.trials);
-    merged.done += static_cast<std::uint64_t>(row.done);
-    merged.timeouts += static_cast<std::uint64_t>(row.timeouts);
-    merged.faults += static_cast<std::uint64_t>(row.faults);
-  }
-  return merged;
-}
-
-std::string sweep_run_json(const RunIdentity& identity, const MergedSweep& merged) {
-  nlohmann::ordered_json json{{"palpate_run", 1}};
-  json.update(nlohmann::ordered_json::parse(identity.json()));
-  json["trials"] = merged.trials;
-  json["status"] = {{"done", merged.done}, {"timeout", merged.timeouts}, {"fault", merged.faults}};
-  return json.dump(2) + "\n";
 }
 
 }  // namespace
@@ -126,50 +86,7 @@ Result<SweepOutcome> run_sweep(const Sweep& sweep, const DealtSettings& settings
   if (!scenes) return scenes.error();
   auto done = run_dealt(dealt_sweep(sweep, points, *scenes, functions), settings, progress, stop);
   if (!done) return done.error();
-  SweepOutcome outcome{std::move(*done), std::nullopt,
-                       scene_warnings(sweep.plan, scenes->begin()->second)};
-  if (settings.shard || !outcome.not_done.empty()) return outcome;
-  auto merged = merge_sweep({settings.out_folder}, settings.out_folder);
-  if (!merged) return merged.error();
-  outcome.merged = std::move(*merged);
-  return outcome;
-}
-
-std::vector<std::string> sweep_result_names_in(const std::string& folder) {
-  const OwnResultsScope own;
-  const auto text = read_settings_text((fs::path(folder) / kRunFile).string());
-  if (!text) return {};
-  const auto json = nlohmann::json::parse(*text, nullptr, false);
-  const bool is_run = json.is_object() && json.contains("palpate_run") && json.contains("kind");
-  if (!is_run || json["kind"] != "sweep") return {};
-  std::vector<std::string> names = sweep_result_names();
-  std::erase(names, kRunFile);
-  return names;
-}
-
-Result<MergedSweep> merge_sweep(const std::vector<std::string>& folders,
-                                const std::string& out_folder) {
-  const auto joined =
-      join_parts(folders, RunKind::kSweep, [](const RunIdentity&) { return sweep_columns(); });
-  if (!joined) return joined.error();
-  const std::string text = sweep_columns() + "\n" + joined->rows;
-  auto rows = parse_sweep_rows(text, (fs::path(out_folder) / kSweepFile).string());
-  if (!rows) return rows.error();
-  const SweepAnalysis analysis = analyse_sweep(std::move(*rows));
-  MergedSweep merged = counts_of(analysis);
-  merged.text = sweep_text(analysis);
-  if (merged.done == 0) {
-    merged.warnings.emplace_back(
-        "no trial ended at the red sphere, so that no ranking is testable");
-  }
-  std::vector<std::pair<std::string, std::string>> texts{{kSweepFile, text}};
-  for (auto& file : sweep_report(analysis, joined->identity, merged.warnings)) {
-    texts.push_back(std::move(file));
-  }
-  texts.emplace_back(kRunFile, sweep_run_json(joined->identity, merged));
-  const auto obsolete = results_of_other_kinds_in(out_folder);
-  if (auto error = write_results(out_folder, texts, obsolete)) return *error;
-  return merged;
+  return SweepOutcome{std::move(*done), scene_warnings(sweep.plan, scenes->begin()->second)};
 }
 
 }  // namespace palpate

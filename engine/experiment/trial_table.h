@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/experiment/factorial_model.h"
+#include "engine/experiment/trial_outcome.h"
 #include "engine/experiment/trial_row.h"
 #include "engine/experiment/trial_variant.h"
 #include "geometry/base/result.h"
@@ -32,29 +33,6 @@ std::string effect_name(const FactorSet& term);
 // The largest number of combinations of Haptic, Rotation, Object and Trial. The time of the paper's
 // analysis grows with the third power of this number: 600 combinations take about a second.
 inline constexpr std::size_t kMostCells = 600;
-
-// A quantity of a trial that is analysed.
-enum class Outcome : std::uint8_t {
-  kTime,
-  kLosses,
-  kPenetration,
-  kLossesPerSecond,
-  kLosses100ms,
-  kContactAngle,
-  kTimeToLimit  // the time, and the time limit for a trial with the status timeout
-};
-inline constexpr std::size_t kOutcomeCount = 7;
-
-struct OutcomeText {
-  std::string_view name;    // "total time"
-  std::string_view unit;    // "s"; empty for counts
-  std::string_view column;  // of trials.csv
-};
-const OutcomeText& outcome_text(Outcome outcome);
-
-// The outcome of a row, if the row has it: a trial that was not completed has no outcome, except
-// kTimeToLimit after a timeout.
-std::optional<double> outcome_of(const TrialRow& row, Outcome outcome, double limit_s);
 
 // The trials of one kind of operator in one variant of the experiment: of one following, or of
 // people. Immutable.

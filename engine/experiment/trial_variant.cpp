@@ -1,6 +1,6 @@
 #include "engine/experiment/trial_variant.h"
 
-#include "engine/experiment/statistics_text.h"
+#include "engine/experiment/as_printed.h"
 
 namespace palpate {
 

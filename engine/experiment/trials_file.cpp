@@ -9,10 +9,10 @@
 #include <span>
 #include <utility>
 
+#include "engine/experiment/as_printed.h"
 #include "engine/experiment/csv_reader.h"
 #include "engine/experiment/operator_parameters.h"
 #include "engine/experiment/plan.h"
-#include "engine/experiment/statistics_text.h"
 #include "engine/experiment/strict_json.h"
 #include "geometry/base/printable.h"
 #include "geometry/base/quoted.h"

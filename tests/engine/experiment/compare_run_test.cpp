@@ -19,6 +19,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/experiment/compare_results.h"
 #include "engine/experiment/experiment_merge.h"
 #include "engine/experiment/experiment_report.h"
 #include "engine/experiment/participant_run.h"
@@ -74,19 +75,27 @@ std::map<std::string, std::string> results_of(const std::string& folder) {
   return files;
 }
 
-CompareOutcome compare_into(const std::string& folder, const CompareSettings& settings,
-                            std::optional<Shard> shard = {}, int jobs = 1,
-                            const TrialFunctions& functions = stand_in_trials()) {
-  const auto outcome = run_comparison(settings, {folder, shard, jobs, false}, functions);
+struct WholeComparison : CompareOutcome {
+  std::vector<FollowingComparison> followings;  // empty: a shard
+};
+
+WholeComparison compare_into(const std::string& folder, const CompareSettings& settings,
+                             std::optional<Shard> shard = {}, int jobs = 1,
+                             const TrialFunctions& functions = stand_in_trials()) {
+  auto outcome = run_comparison(settings, {folder, shard, jobs, false}, functions);
   EXPECT_TRUE(outcome.ok()) << outcome.error().to_string();
   if (!outcome) return {};
+  WholeComparison whole{std::move(*outcome), {}};
   if (!shard) {
+    auto followings = compare_results(settings, folder);
+    EXPECT_TRUE(followings.ok()) << followings.error().to_string();
+    if (followings) whole.followings = std::move(*followings);
     auto files = OutputFiles::create(folder, comparison_report_names());
     EXPECT_TRUE(files.ok());
-    EXPECT_FALSE(write_comparison_report(settings, outcome->followings, *files).has_value());
+    EXPECT_FALSE(write_comparison_report(settings, whole.followings, *files).has_value());
     EXPECT_FALSE(files->move_into_place().has_value());
   }
-  return *outcome;
+  return whole;
 }
 
 const CompareSettings& tuned_settings() {
@@ -317,7 +326,7 @@ TEST(StrategyTrialsFile, IsRefusedByTheAnalysisOfThePaper) {
 
 TEST(Comparison, RunsEveryHandOnceWithEachStrategyOnEachScene) {
   const TemporaryFolder folder;
-  const CompareOutcome outcome = compare_into(folder.path("out"), tuned_settings());
+  const WholeComparison outcome = compare_into(folder.path("out"), tuned_settings());
   ASSERT_EQ(outcome.runs.size(), 2u);
   EXPECT_EQ(outcome.runs[0].computed.size(), 5u);
   EXPECT_EQ(outcome.runs[0].merged->trials, 5u * 2u * 9u);
@@ -358,7 +367,7 @@ TEST(Comparison, ShardsInOneFolderGiveTheSameBytes) {
       EXPECT_TRUE(outcome.followings.empty());
       EXPECT_FALSE(fs::exists(folder.path("out/report.html")));
     }
-    const CompareOutcome whole = compare_into(folder.path("out"), tuned_settings());
+    const WholeComparison whole = compare_into(folder.path("out"), tuned_settings());
     for (const ExperimentRunOutcome& run : whole.runs) {
       EXPECT_TRUE(run.computed.empty()) << "the shards have every hand";
     }
@@ -370,7 +379,7 @@ TEST(Comparison, OfAllFollowingsComparesEach) {
   CompareSettings settings = settings_of("mask,a4", 3);
   settings.has_all_followings = true;
   const TemporaryFolder folder;
-  const CompareOutcome outcome = compare_into(folder.path("out"), settings);
+  const WholeComparison outcome = compare_into(folder.path("out"), settings);
   ASSERT_EQ(outcome.followings.size(), 4u);
   EXPECT_EQ(outcome.followings[0].following, "delayed");
   EXPECT_EQ(outcome.followings[3].following, "frozen");
@@ -445,7 +454,7 @@ TEST(Comparison, OfThePapersObjectsFindsALowerAngleAndPenetrationWithA4ThanWithM
   for (const char* const name : test::kPaperObjects) settings.scenes.push_back(model(name));
   std::cout << "seed " << settings.seed << "\n";
   const TemporaryFolder folder;
-  const CompareOutcome outcome =
+  const WholeComparison outcome =
       compare_into(folder.path("out"), settings, {}, 2, {find_trial_way, run_trial});
   ASSERT_EQ(outcome.followings.size(), 1u);
   EXPECT_TRUE(outcome.followings[0].incomplete().empty());

@@ -23,8 +23,9 @@
 #include "engine/experiment/dealt_merge.h"
 #include "engine/experiment/experiment_run.h"
 #include "engine/experiment/latin_hypercube.h"
+#include "engine/experiment/result_names.h"
+#include "engine/experiment/sweep_merge.h"
 #include "engine/experiment/sweep_points.h"
-#include "engine/experiment/sweep_report.h"
 #include "engine/experiment/sweep_rows.h"
 #include "engine/experiment/trial.h"
 #include "engine/experiment/trials_file.h"
@@ -61,7 +62,7 @@ Sweep quick_sweep() {
 // The bytes of all results.
 std::string sweep_results_in(const std::string& folder) {
   std::string all;
-  for (const std::string& name : sweep_result_names()) {
+  for (const std::string& name : result_names(RunKind::kSweep)) {
     const std::string text = text_in((fs::path(folder) / name).string());
     EXPECT_FALSE(text.empty()) << folder << " " << name;
     all += text;
@@ -69,11 +70,27 @@ std::string sweep_results_in(const std::string& folder) {
   return all;
 }
 
-SweepOutcome sweep_into(const std::string& folder, std::optional<Shard> shard = {}, int jobs = 1,
-                        const Sweep& sweep = quick_sweep()) {
-  const auto outcome = run_sweep(sweep, {folder, shard, jobs}, sweep_stand_in());
+struct WholeSweep : SweepOutcome {
+  std::optional<MergedSweep> merged;  // no value: a shard, or stopped
+};
+
+// As `experiment sweep` does it: a run that is complete is merged.
+WholeSweep run_whole(const Sweep& sweep, const DealtSettings& settings,
+                     const TrialFunctions& functions, const StopFlag* stop = nullptr) {
+  auto outcome = run_sweep(sweep, settings, functions, {}, stop);
   EXPECT_TRUE(outcome.ok()) << outcome.error().to_string();
-  return outcome ? *outcome : SweepOutcome{};
+  if (!outcome) return {};
+  WholeSweep whole{std::move(*outcome), std::nullopt};
+  if (settings.shard || !whole.not_done.empty()) return whole;
+  auto merged = merge_sweep({settings.out_folder}, settings.out_folder);
+  EXPECT_TRUE(merged.ok()) << merged.error().to_string();
+  if (merged) whole.merged = std::move(*merged);
+  return whole;
+}
+
+WholeSweep sweep_into(const std::string& folder, std::optional<Shard> shard = {}, int jobs = 1,
+                      const Sweep& sweep = quick_sweep()) {
+  return run_whole(sweep, {folder, shard, jobs}, sweep_stand_in());
 }
 
 // The results of an undisturbed run with one job.
@@ -310,7 +327,7 @@ TEST(SweepRun, TheBasePointHasTheMeansOfAnExperimentWithTheBasePlan) {
 TEST(SweepRun, GivesTheSameBytesWithAnyNumberOfJobs) {
   for (const int jobs : {1, 2, 5}) {
     const TemporaryFolder folder;
-    const SweepOutcome outcome = sweep_into(folder.path(), {}, jobs);
+    const WholeSweep outcome = sweep_into(folder.path(), {}, jobs);
     ASSERT_TRUE(outcome.merged.has_value());
     EXPECT_EQ(outcome.merged->points, kPoints);
     EXPECT_EQ(outcome.merged->trials, 5u * 12 + 6u * 6);
@@ -395,7 +412,7 @@ TEST(SweepRun, AKilledRunKeepsEachFinishedTrial) {
     return run_sweep(quick_sweep(), {folder.path(), {}, 1}, deadly_sweep_trials(kFinished + 1))
         .ok();
   }));
-  const SweepOutcome again = sweep_into(folder.path());
+  const WholeSweep again = sweep_into(folder.path());
   EXPECT_EQ(again.kept, (std::vector<int>{1}));
   EXPECT_EQ(again.kept_trials, 7u);
   EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
@@ -405,7 +422,7 @@ TEST(SweepRun, KilledBetweenAnyTwoRenamesOfResultsIsCompletedByAnotherMerge) {
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
   sweep_into(out);
-  for (int last = 1; last <= 2 * static_cast<int>(sweep_result_names().size()); ++last) {
+  for (int last = 1; last <= 2 * static_cast<int>(result_names(RunKind::kSweep).size()); ++last) {
     SCOPED_TRACE(last);
     EXPECT_FALSE(run_in_child([&] {
       test::die_at_rename(last);
@@ -429,11 +446,10 @@ TEST(SweepRun, AStopLeavesCompletePointsOnly) {
     if (++trials == 2 * 12 + 5) stop.request();  // in the third point
     return run(arguments...);
   };
-  const auto outcome = run_sweep(quick_sweep(), {folder.path(), {}, 1}, functions, {}, &stop);
-  ASSERT_TRUE(outcome.ok()) << outcome.error().to_string();
-  EXPECT_EQ(outcome->computed, (std::vector<int>{1, 2}));
-  EXPECT_EQ(outcome->not_done.size(), static_cast<std::size_t>(kPoints) - 2);
-  EXPECT_FALSE(outcome->merged.has_value());
+  const WholeSweep outcome = run_whole(quick_sweep(), {folder.path(), {}, 1}, functions, &stop);
+  EXPECT_EQ(outcome.computed, (std::vector<int>{1, 2}));
+  EXPECT_EQ(outcome.not_done.size(), static_cast<std::size_t>(kPoints) - 2);
+  EXPECT_FALSE(outcome.merged.has_value());
   EXPECT_EQ(sweep_into(folder.path()).kept, (std::vector<int>{1, 2}));
   EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
 }
@@ -462,7 +478,7 @@ TEST(SweepRun, AnotherSweepOrAnExperimentInTheFolderIsReplaced) {
   ASSERT_TRUE(
       run_experiment(quick_sweep().plan, {folder.path(), {}, 1, false}, sweep_stand_in()).ok());
   EXPECT_TRUE(units_with_parts(folder.path(), "point").empty());
-  for (const std::string& name : sweep_result_names()) {
+  for (const std::string& name : result_names(RunKind::kSweep)) {
     EXPECT_EQ(fs::exists(folder.path(name)), name == kRunFile) << name;
   }
   EXPECT_EQ(sweep_into(folder.path()).computed.size(), static_cast<std::size_t>(kPoints));
@@ -480,10 +496,10 @@ TEST(SweepRun, WarnsIfNoTrialWasDone) {
     return outcome;
   };
   const TemporaryFolder folder;
-  const auto outcome = run_sweep(quick_sweep(), {folder.path(), {}, 1}, functions);
-  ASSERT_TRUE(outcome.ok() && outcome->merged);
-  ASSERT_EQ(outcome->merged->warnings.size(), 1u);
-  EXPECT_NE(outcome->merged->warnings[0].find("no trial ended"), std::string::npos);
+  const WholeSweep outcome = run_whole(quick_sweep(), {folder.path(), {}, 1}, functions);
+  ASSERT_TRUE(outcome.merged.has_value());
+  ASSERT_EQ(outcome.merged->warnings.size(), 1u);
+  EXPECT_NE(outcome.merged->warnings[0].find("no trial ended"), std::string::npos);
   std::istringstream lines(text_in(folder.path("rankings.csv")));
   std::string line;
   std::getline(lines, line);
