@@ -6,9 +6,9 @@
 #include <iterator>
 #include <numbers>
 
-#include "engine/experiment/experiment_scene.h"
 #include "engine/session/run_setup.h"
 #include "engine/simulation/plane_height.h"
+#include "engine/trials/experiment_scene.h"
 #include "haptics/haptic_loop.h"
 
 namespace palpate::bench {

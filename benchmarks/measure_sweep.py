@@ -72,7 +72,7 @@ def results_in(folder):
 
 def range_of(name):
     """From which the hypercube draws."""
-    literature, sweep = (json.loads((ROOT / "engine" / "experiment" / file).read_text())
+    literature, sweep = (json.loads((ROOT / "engine" / "trials" / file).read_text())
                          for file in ("literature.json", "sweep.json"))
     levels = sweep["parameters"][name]
     if isinstance(levels[0], str):

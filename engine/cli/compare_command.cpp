@@ -11,6 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/analysis/compare_results.h"
+#include "engine/analysis/strategy_report.h"
+#include "engine/analysis/strategy_tables.h"
+#include "engine/analysis/strategy_text.h"
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
@@ -21,13 +25,9 @@
 #include "engine/cli/scene_options.h"
 #include "engine/cli/setting_texts.h"
 #include "engine/cli/shard_option.h"
-#include "engine/experiment/compare_results.h"
-#include "engine/experiment/compare_run.h"
-#include "engine/experiment/strategy_report.h"
-#include "engine/experiment/strategy_tables.h"
-#include "engine/experiment/strategy_text.h"
-#include "engine/experiment/trial.h"
 #include "engine/report/output_files.h"
+#include "engine/trials/compare/compare_run.h"
+#include "engine/trials/trial.h"
 #include "geometry/base/file_roles.h"
 #include "geometry/base/parallel.h"
 

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/analysis/canonical_merge.h"
+#include "engine/analysis/experiment_report.h"
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_line.h"
@@ -21,21 +23,19 @@
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_progress.h"
 #include "engine/cli/sweep_command.h"
-#include "engine/experiment/canonical_merge.h"
-#include "engine/experiment/canonical_plan.h"
-#include "engine/experiment/canonical_rows.h"
-#include "engine/experiment/canonical_run.h"
-#include "engine/experiment/dealt_merge.h"
-#include "engine/experiment/experiment_merge.h"
-#include "engine/experiment/experiment_report.h"
-#include "engine/experiment/experiment_run.h"
-#include "engine/experiment/paper_plan.h"
-#include "engine/experiment/plan.h"
-#include "engine/experiment/result_names.h"
-#include "engine/experiment/shipped_files.h"
-#include "engine/experiment/trial.h"
-#include "engine/experiment/trials_file.h"
 #include "engine/report/whole_file.h"
+#include "engine/trials/canonical/canonical_plan.h"
+#include "engine/trials/canonical/canonical_rows.h"
+#include "engine/trials/canonical/canonical_run.h"
+#include "engine/trials/deal/dealt_merge.h"
+#include "engine/trials/deal/experiment_merge.h"
+#include "engine/trials/deal/experiment_run.h"
+#include "engine/trials/deal/result_names.h"
+#include "engine/trials/paper_plan.h"
+#include "engine/trials/plan.h"
+#include "engine/trials/shipped_files.h"
+#include "engine/trials/trial.h"
+#include "engine/trials/trials_file.h"
 
 namespace palpate {
 namespace {

@@ -4,15 +4,15 @@
 #include <iostream>
 #include <utility>
 
+#include "engine/analysis/power_report.h"
+#include "engine/analysis/power_text.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
-#include "engine/experiment/canonical_rows.h"
-#include "engine/experiment/experiment_run.h"
-#include "engine/experiment/power_report.h"
-#include "engine/experiment/power_text.h"
 #include "engine/report/output_files.h"
+#include "engine/trials/canonical/canonical_rows.h"
+#include "engine/trials/deal/experiment_run.h"
 #include "geometry/base/parallel.h"
 
 namespace palpate {

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "engine/experiment/power_study.h"
+#include "engine/analysis/power_study.h"
 
 namespace palpate {
 

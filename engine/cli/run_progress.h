@@ -9,7 +9,7 @@
 #include <string>
 
 #include "engine/cli/command_output.h"
-#include "engine/experiment/dealt_run.h"
+#include "engine/trials/deal/dealt_run.h"
 
 namespace palpate {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine/experiment/dealt_run.h"
+#include "engine/trials/deal/dealt_run.h"
 #include "geometry/base/result.h"
 
 namespace palpate {

@@ -10,8 +10,8 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_progress.h"
-#include "engine/experiment/sweep_run.h"
-#include "engine/experiment/trial.h"
+#include "engine/trials/sweep/sweep_run.h"
+#include "engine/trials/trial.h"
 
 namespace palpate {
 namespace {

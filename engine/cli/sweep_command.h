@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "engine/experiment/sweep_merge.h"
+#include "engine/analysis/sweep_merge.h"
 
 namespace palpate {
 

@@ -124,7 +124,7 @@ TEST_F(CompareCommandTest, WritesAReportOfTheTrials) {
 
 // A person who hardly moves does not arrive within the limit.
 TEST_F(CompareCommandTest, EndsWithThreeAndWritesAllTheSameIfTrialsAreNotCompleted) {
-  Json person = Json::parse(content_of(PALPATE_EXPERIMENT_DIR "/people2005.json"));
+  Json person = Json::parse(content_of(PALPATE_TRIALS_DIR "/people2005.json"));
   person["parameters"]["speed_m_per_s"]["low"] = 1e-4;
   person["parameters"]["speed_m_per_s"]["high"] = 2e-4;
   folder.write("slow.json", person.dump());

@@ -53,7 +53,7 @@ class Case:
         self.write("colour.png", b"never read")
         self.write("way.txt", b"0 0 0.1\n0 0 0.099\n")
         self.write("plan.json", json.dumps(PLAN).encode())
-        shipped = pathlib.Path(__file__).parents[3] / "engine/experiment/literature.json"
+        shipped = pathlib.Path(__file__).parents[3] / "engine/trials/literature.json"
         self.write("own.json", shipped.read_bytes())
 
     def write(self, name, content):

@@ -1,0 +1,125 @@
+// The plans of comparisons of strategies, without running them.
+
+#include "engine/trials/compare/compare_plan.h"
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/engine/trials/compare/compare_settings.h"
+#include "tests/helpers/gltf_builder.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using test::settings_of;
+using test::TemporaryFolder;
+using test::tuned_settings;
+
+TEST(CompareList, ReadsNamesInOrder) {
+  const CompareSettings settings = settings_of("a4,anisotropic:0.25,none,anisotropic:2");
+  ASSERT_EQ(settings.strategies.size(), 4u);
+  EXPECT_EQ(settings.strategies[0].kind, StrategyKind::kA4);
+  EXPECT_EQ(settings.strategies[1], (Strategy{StrategyKind::kAnisotropic, 0.25}));
+  EXPECT_EQ(settings.strategies[3].anisotropy, 2.0);
+  EXPECT_FALSE(settings.is_tuned);
+  EXPECT_TRUE(settings_of("anisotropic").is_tuned);
+}
+
+TEST(CompareList, RefusesUnknownEmptyAndRepeatedNames) {
+  const std::pair<const char*, const char*> lists[] = {
+      {"", "is \"\""},
+      {"mask,", "is \"\""},
+      {",mask", "is \"\""},
+      {"mask a4", "is \"mask a4\""},
+      {"mask,A4", "is \"A4\""},
+      {"anisotropic:32", "from 0.0625 to 16"},
+      {"anisotropic:", "from 0.0625 to 16"},
+      {"mask,a4,mask", "has mask twice"},
+      {"anisotropic,anisotropic", "has anisotropic twice"},
+      {"anisotropic:2,anisotropic:2.0", "has anisotropic:2.0 twice"},
+      {"anisotropic:4,anisotropic", "has both anisotropic and anisotropic:4"}};
+  for (const auto& [list, problem] : lists) {
+    const auto settings = with_strategies({}, list);
+    ASSERT_FALSE(settings.ok()) << list;
+    EXPECT_EQ(settings.error().element, "strategies");
+    EXPECT_NE(settings.error().to_string().find(problem), std::string::npos)
+        << settings.error().to_string();
+  }
+}
+
+TEST(ComparePlan, IsThePlanOfTheFileThatIsWritten) {
+  const TemporaryFolder folder;
+  CompareSettings settings = tuned_settings();
+  settings.scene.node = "";
+  settings.scene.scale = 0.75;
+  settings.scene.close_gaps_m = 0.0005;
+  settings.device.actuated_axes = {Vec3(0.6, 0.8, 0.0)};
+  settings.device.actuators.reset();
+  settings.device.accuracy = Accuracy::exact();
+  settings.device.velocity_estimator = VelocityMethod::kAdaptive;
+  settings.device.encoder_quantum_m = 3e-5;
+  settings.device.max_force_N = 4.0;
+  settings.device.radius_m = 0.001;
+  settings.device.device.mass_kg = 0.25;
+  fs::create_directories(folder.path("deep/er"));
+  for (const CompareHands hands : {CompareHands::kCompared, CompareHands::kTuning}) {
+    const auto plan = compare_plan(settings, hands);
+    ASSERT_TRUE(plan.ok()) << plan.error().to_string();
+    folder.write("deep/er/plan.json", compare_plan_text(settings, hands, folder.path("deep/er")));
+    const auto read = load_plan(folder.path("deep/er/plan.json"));
+    ASSERT_TRUE(read.ok()) << read.error().to_string();
+    EXPECT_EQ(read->hash, plan->hash);
+    EXPECT_EQ(read->canonical, plan->canonical);
+    ASSERT_EQ(read->objects.size(), 2u);
+    for (const PlanObject& object : read->objects) {
+      EXPECT_TRUE(fs::exists(object.path)) << object.path;
+      EXPECT_EQ(object.scene.scale, 0.75);
+      EXPECT_EQ(object.scene.close_gaps_m, 0.0005);
+    }
+    EXPECT_EQ(read->device.actuated_axes.front(), Vec3(0.6, 0.8, 0.0));
+    EXPECT_EQ(read->device.accuracy.work_budget, Accuracy::exact().work_budget);
+    EXPECT_EQ(read->device.velocity_estimator, VelocityMethod::kAdaptive);
+    EXPECT_EQ(read->device.encoder_quantum_m, 3e-5);
+    EXPECT_EQ(read->device.max_force_N, 4.0);
+    EXPECT_EQ(read->device.radius_m, 0.001);
+    EXPECT_EQ(read->device.device.mass_kg, 0.25);
+    EXPECT_EQ(read->device.damping_Ns_per_m, 2.0);
+    EXPECT_EQ(read->followings, std::vector<Following>{Following::kDelayed});
+  }
+}
+
+TEST(ComparePlan, TunesOnHandsWithAnotherSeed) {
+  const auto compared = compare_plan(tuned_settings(), CompareHands::kCompared);
+  const auto tuning = compare_plan(tuned_settings(), CompareHands::kTuning);
+  ASSERT_TRUE(compared.ok() && tuning.ok());
+  EXPECT_EQ(compared->seed, 2005u);
+  EXPECT_NE(tuning->seed, compared->seed);
+  EXPECT_EQ(compared->strategies.size(), 3u + 6u);
+  EXPECT_EQ(tuning->strategies.size(), 6u);
+  for (int hand = 1; hand <= 5; ++hand) {
+    EXPECT_NE(draw_person(tuning->person, tuning->seed, hand).speed_m_per_s,
+              draw_person(compared->person, compared->seed, hand).speed_m_per_s);
+  }
+}
+
+TEST(ComparePlan, NamesObjectsLikeFilesAndNoneTwice) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path("other"));
+  CompareSettings settings = tuned_settings();
+  settings.scenes = {"a/star.glb", "b/star.glb", "my star \u00e9.gltf", ".glb",
+                     std::string(60, 'x') + ".glb"};
+  const auto plan = compare_plan(settings, CompareHands::kCompared);
+  ASSERT_TRUE(plan.ok()) << plan.error().to_string();
+  std::set<std::string> names;
+  for (const PlanObject& object : plan->objects) names.insert(object.name);
+  EXPECT_EQ(names,
+            (std::set<std::string>{"star", "star-2", "my_star___", "_.glb", std::string(36, 'x')}));
+}
+
+}  // namespace
+}  // namespace palpate
