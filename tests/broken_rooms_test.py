@@ -25,14 +25,14 @@ FILES = {
 }
 
 
-def faults(changes):
+def faults(changes, libraries=None):
     """The faults found in the project above after some of its files were replaced or added."""
     with tempfile.TemporaryDirectory() as name:
         project = pathlib.Path(name)
         for path, text in {**FILES, **changes}.items():
             (project / path).parent.mkdir(parents=True, exist_ok=True)
             (project / path).write_text(text)
-        return rooms_test.check(project)
+        return rooms_test.check(project, libraries)
 
 
 class Rooms(unittest.TestCase):
@@ -55,6 +55,23 @@ class Rooms(unittest.TestCase):
             faults({"haptics/a4/rotation.h": '\n#include "haptics/loop.h"\n',
                     "haptics/loop.h": ""}),
             ['haptics/a4/rotation.h:2: haptics/a4 may not include haptics ("haptics/loop.h")'])
+
+    def test_a_large_room_needs_a_readme(self):
+        files = {f"geometry/file_{i}.h": "" for i in range(rooms_test.MOST_FILES)}
+        self.assertEqual(faults(files),
+                         ["geometry: has 11 sources and no README.md; expected one in each room "
+                          "with more than 10"])
+        self.assertEqual(faults({**files, "geometry/README.md": "x\n" * 30}), [])
+        self.assertEqual(faults({**files, "geometry/README.md": "x\n" * 31}),
+                         ["geometry/README.md: has 31 lines; expected at most 30"])
+
+    def test_a_library_that_links_what_its_room_may_not_include_is_refused(self):
+        good = "geo geometry Eigen\na4 haptics/a4 geo\nloop haptics a4 geo\n"
+        self.assertEqual(faults({"geometry/triangle.cpp": ""}, good), [])
+        self.assertEqual(faults({}, good.replace("a4 geo\nloop", "a4 geo loop\nloop")),
+                         ["a4: haptics/a4 may not link haptics (loop)"])
+        self.assertEqual(faults({"geometry/triangle.cpp": ""}, good.replace("geo geometry Eigen\n", "")),
+                         ["geometry: has .cpp files and no library of its own (palpate_room)"])
 
     def test_a_cycle_is_refused(self):
         table = TABLE.replace("| triangles | |", "| triangles | `haptics` |")

@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
 """Checks that every source lies in a room and includes only files that its room may include.
 
-usage: rooms_test.py PROJECT
+usage: rooms_test.py PROJECT [LIBRARIES]
 
 ARCHITECTURE.md defines the rooms in a table `| room | holds | may include |`. A room is a folder with
 its files, without its subfolders. `X+` means X and every room that X may include. Sources below
 tests/ and benchmarks/ may include every room. The test fails on an include that the table does not
-permit, a file that belongs to no room, an include of a missing file, a room without files, and a
-cycle in the table.
+permit, a file that belongs to no room, an include of a missing file, a room without files, a cycle in
+the table, and a room of more than MOST_FILES files without a README.md of at most MOST_LINES lines.
+
+LIBRARIES is the file rooms.txt of the build. It has a line `TARGET FOLDER LINKED...` for the library of
+each room. The test fails on a library that links the library of a room which its own room may not
+include, and on a room with .cpp files but no library.
 """
 
 import pathlib
@@ -18,6 +22,9 @@ SOURCES = {".h", ".cpp", ".inl", ".in"}
 FOLDERS = ("geometry", "io", "haptics", "engine", "models")
 PUBLIC = "palpate"  # FOLDER/include/palpate is included as <palpate/...> or "palpate/..."
 FREE = ("tests", "benchmarks")  # may include every room
+MOST_FILES = 10
+MOST_LINES = 30
+WITHOUT_LIBRARY = {"engine/guard"}  # a program
 GENERATED = {"compiled_effects.h"}  # by CMake, from the list of effects
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<(palpate/[^>]+)>)')
 
@@ -113,23 +120,61 @@ def check_file(project, path, table):
                    f'("{included}")')
 
 
-def check(project):
+def check_readme(project, room, files):
+    """The faults of a room's README."""
+    readme = project / room / "README.md"
+    if not readme.is_file():
+        if files > MOST_FILES:
+            yield (f"{room}: has {files} sources and no README.md; expected one in each room with "
+                   f"more than {MOST_FILES}")
+        return
+    lines = len(readme.read_text().splitlines())
+    if lines > MOST_LINES:
+        yield f"{room}/README.md: has {lines} lines; expected at most {MOST_LINES}"
+
+
+def check_libraries(project, table, text):
+    """The faults of the libraries that rooms.txt lists."""
+    room_of = {}
+    linked = {}
+    for line in text.splitlines():
+        target, room, *names = line.split()
+        room_of[target] = room
+        linked[target] = names
+    for target, names in linked.items():
+        for name in names:
+            other = room_of.get(name)
+            if other and other not in table.permitted.get(room_of[target], ()):
+                yield f"{target}: {room_of[target]} may not link {other} ({name})"
+    for room in table.direct:
+        has_code = any((project / room).glob("*.cpp"))
+        if has_code and room not in WITHOUT_LIBRARY and room not in room_of.values():
+            yield f"{room}: has .cpp files and no library of its own (palpate_room)"
+
+
+def check(project, libraries=None):
     """All faults of a project, one line each."""
     table = Table((project / "ARCHITECTURE.md").read_text())
     if table.faults:
         return table.faults
     faults = []
-    used = set()
+    used = {}
     for path in sources(project):
-        used.add(path.parent.as_posix())
+        room = path.parent.as_posix()
+        used[room] = used.get(room, 0) + 1
         faults += check_file(project, path, table)
     faults += [f"ARCHITECTURE.md: {room} has no source" for room in table.direct
                if room not in used]
+    for room in table.direct:
+        faults += check_readme(project, room, used.get(room, 0))
+    if libraries is not None:
+        faults += check_libraries(project, table, libraries)
     return faults
 
 
 def main():
-    faults = check(pathlib.Path(sys.argv[1]))
+    libraries = pathlib.Path(sys.argv[2]).read_text() if len(sys.argv) > 2 else None
+    faults = check(pathlib.Path(sys.argv[1]), libraries)
     for fault in faults:
         print(fault)
     return 1 if faults else 0
