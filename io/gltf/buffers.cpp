@@ -87,6 +87,14 @@ bool GltfBuffers::take_unstored(std::size_t elements) {
   return true;
 }
 
+void GltfBuffers::note_mesh_data(std::size_t buffer, std::uint64_t byte_offset,
+                                 std::uint64_t byte_length, bool compressed) {
+  ByteRanges& ranges = mesh_data_[{buffer, compressed}];
+  const std::uint64_t before = ranges.total();
+  ranges.add(byte_offset, byte_offset + byte_length);
+  mesh_bytes_ += (compressed ? kGltfBytesPerCompressedByte : 1) * (ranges.total() - before);
+}
+
 std::optional<Error> GltfBuffers::count_decoded(std::uint64_t bytes, const std::string& element) {
   if (bytes > kMaxGltfBufferBytes - std::min(loaded_bytes_, kMaxGltfBufferBytes)) {
     return gltf_error(ErrorCode::kLimitExceeded, element,

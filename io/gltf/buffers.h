@@ -5,13 +5,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/base/memory_ledger.h"
 #include "geometry/base/result.h"
+#include "io/gltf/byte_ranges.h"
 #include "io/gltf/file.h"
 #include "io/gltf/limits.h"
 #include "io/gltf/source.h"
@@ -63,6 +66,13 @@ class GltfBuffers {
   // error if the total exceeds kMaxGltfBufferBytes. element: for messages.
   std::optional<Error> count_decoded(std::uint64_t bytes, const std::string& element);
 
+  // Notes that meshes, poses or instances use this part of a buffer, which part() has given;
+  // compressed: as a compressed stream. Bytes that are noted more than once count once.
+  void note_mesh_data(std::size_t buffer, std::uint64_t byte_offset, std::uint64_t byte_length,
+                      bool compressed);
+  // The number of bytes noted so far, for most_gltf_triangles().
+  std::uint64_t mesh_bytes() const { return mesh_bytes_; }
+
  private:
   struct Buffer {
     GltfBufferDeclaration declaration;
@@ -79,6 +89,9 @@ class GltfBuffers {
   std::string folder_;
   MemoryLedger* memory_;
   std::uint64_t loaded_bytes_ = 0;
+  // The mesh data, by buffer and whether they are compressed.
+  std::map<std::pair<std::size_t, bool>, ByteRanges> mesh_data_;
+  std::uint64_t mesh_bytes_ = 0;
   std::vector<std::string> files_read_;
   std::size_t unstored_left_ = kMaxGltfUnstored;
 };

@@ -100,7 +100,10 @@ class JsonScanner {
     const std::size_t colon = first_json_mark(text_, end);
     const bool is_key = colon < text_.size() && text_[colon] == ':';
     if (!is_key) scan_.extent.bytes += kStringBytes;
-    if (is_key && depth_ == 1) is_in_section_ = is_section(string);
+    if (is_key && depth_ == 1) {
+      is_in_section_ = is_section(string);
+      is_in_nodes_ = string == "\"nodes\"";
+    }
     if (end - at_ > kLongString + 2) {
       scan_.extent.bytes += kAllocationBytes;
     }
@@ -137,6 +140,7 @@ class JsonScanner {
     extent.bytes += level.values * (level.is_object ? kMemberBytes : kArrayItemBytes);
     if (depth_ != 2 || !is_in_section_) return;
     bytes_of_elements_ += std::min(extent.bytes - level.bytes_before, kElementBytes);
+    if (is_in_nodes_ && level.is_object) ++scan_.nodes;
   }
 
   std::optional<Error> check_memory() const {
@@ -155,6 +159,7 @@ class JsonScanner {
   std::size_t counted_ = 1;
   std::size_t depth_ = 0;
   bool is_in_section_ = false;           // whether the last key of the root is a section
+  bool is_in_nodes_ = false;             // whether it is "nodes"
   std::uint64_t bytes_of_elements_ = 0;  // the part of JsonExtent::bytes that sections may have
   std::array<Level, kMaxGltfJsonDepth + 1> levels_{};  // the open arrays and objects
   JsonScan scan_;

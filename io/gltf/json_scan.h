@@ -3,6 +3,7 @@
 // Goes once through JSON text before any parser does: checks its size and depth, counts what
 // determines the memory of parsing it, and finds long runs of spaces.
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,7 @@ struct JsonExtent {
 
 struct JsonScan {
   JsonExtent extent;
+  std::size_t nodes = 0;  // the objects in the array "nodes" of the root
   // The long runs of spaces between values, each without its last byte, in ascending order.
   std::vector<JsonTextPart> long_spaces;
 };

@@ -121,8 +121,7 @@ class MeshReader {
     if (!vertices) return vertices.error();
     auto triangles = triangles_of(primitive, *mode, vertices->count, element);
     if (!triangles) return triangles.error();
-    append(std::move(*triangles), vertices->first);
-    return std::nullopt;
+    return append(std::move(*triangles), vertices->first, element);
   }
 
   // Appends a compressed primitive, whose triangles are a list in every mode.
@@ -131,8 +130,8 @@ class MeshReader {
                                          const std::string& element) {
     const auto vertices = vertices_of(primitive, compressed, accessor, element);
     if (!vertices) return vertices.error();
-    append(assemble_triangles(TriangleMode::kList, compressed.indices()), vertices->first);
-    return std::nullopt;
+    return append(assemble_triangles(TriangleMode::kList, compressed.indices()), vertices->first,
+                  element);
   }
 
   struct VertexRange {
@@ -353,8 +352,13 @@ class MeshReader {
     return std::nullopt;
   }
 
-  void append(std::vector<Triangle> triangles, std::uint32_t first_vertex) {
+  std::optional<Error> append(std::vector<Triangle> triangles, std::uint32_t first_vertex,
+                              const std::string& element) {
     budget_.triangles -= triangles.size();
+    const std::size_t of_mesh = description_.triangles.empty() ? kGltfTrianglesPerMesh : 0;
+    auto error = count_triangles(asset_, of_mesh + triangles.size(), element,
+                                 "refers to data that other primitives use as well", budget_);
+    if (error) return error;
     if (first_vertex > 0) {
       for (Triangle& t : triangles) {
         for (std::uint32_t& vertex : t) vertex += first_vertex;
@@ -366,6 +370,7 @@ class MeshReader {
     } else {
       all.insert(all.end(), triangles.begin(), triangles.end());
     }
+    return std::nullopt;
   }
 
   const GltfAsset& asset_;
@@ -401,6 +406,26 @@ std::vector<Triangle> assemble_triangles(TriangleMode mode,
     }
   }
   return triangles;
+}
+
+std::optional<Error> count_triangles(const GltfAsset& asset, std::size_t triangles,
+                                     const std::string& element, const std::string& what,
+                                     GltfBudget& budget) {
+  const std::uint64_t bytes = asset.buffers.mesh_bytes();
+  const std::size_t most = most_gltf_triangles(bytes);
+  if (triangles <= most - std::min(most, budget.counted_triangles)) {
+    budget.counted_triangles += triangles;
+    return std::nullopt;
+  }
+  return gltf_error(
+      ErrorCode::kLimitExceeded, element,
+      what +
+          ": with it, the meshes of the scene, each counted once for each pose, "
+          "count as " +
+          std::to_string(budget.counted_triangles + triangles) + " triangles; expected at most " +
+          std::to_string(most) + " for the " + std::to_string(bytes) +
+          " bytes of mesh data that the file has",
+      "let nodes share one mesh in one pose, or divide the scene among several files");
 }
 
 Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,
