@@ -15,6 +15,7 @@
 #include "geometry/base/memory_ledger.h"
 #include "geometry/base/result.h"
 #include "io/gltf/byte_ranges.h"
+#include "io/gltf/data_uris.h"
 #include "io/gltf/file.h"
 #include "io/gltf/limits.h"
 #include "io/gltf/source.h"
@@ -34,7 +35,7 @@ class GltfBuffers {
   // null.
   GltfBuffers(std::vector<GltfBufferDeclaration> declarations, const GltfSource& source,
               std::optional<GltfRange> bin_chunk, std::string folder,
-              MemoryLedger* memory = nullptr);
+              MemoryLedger* memory = nullptr, GltfDataUris data_uris = {});
 
   // The byteLength bytes of a buffer, from the BIN chunk, a data URI (base64, any media type) or a
   // file; no further bytes of the file are read, and none if the file has fewer. Valid for the
@@ -57,7 +58,7 @@ class GltfBuffers {
   // The content of a URI of the asset: a data URI (base64, any media type), or a file of at most
   // max_bytes in the asset's folder. The bytes do not count as buffer bytes. Error::element is
   // empty.
-  Result<FileBytes> read_uri(const std::string& uri, std::uint64_t max_bytes);
+  Result<GltfSource::Part> read_uri(const std::string& uri, std::uint64_t max_bytes);
 
   // The paths of the files that were read so far, each once, in the order of their first use.
   const std::vector<std::string>& files_read() const { return files_read_; }
@@ -88,6 +89,7 @@ class GltfBuffers {
   std::optional<GltfRange> bin_chunk_;
   std::string folder_;
   MemoryLedger* memory_;
+  GltfDataUris data_uris_;
   std::uint64_t loaded_bytes_ = 0;
   // The mesh data, by buffer and whether they are compressed.
   std::map<std::pair<std::size_t, bool>, ByteRanges> mesh_data_;

@@ -17,6 +17,13 @@ namespace {
 // A shorter run of spaces costs the JSON library less than a part of the list.
 constexpr std::size_t kLongRun = 256;
 
+constexpr std::string_view kDataUri = "data:";
+
+bool is_base64_digit(char c) {
+  return ((c >= 'A') & (c <= 'Z')) | ((c >= 'a') & (c <= 'z')) | ((c >= '0') & (c <= '9')) |
+         (c == '+') | (c == '/') | (c == '=');
+}
+
 // The memory of each value in the JSON library, as it is with the containers and the allocator of
 // the GNU C++ library.
 constexpr std::uint64_t kArrayItemBytes = 32;  // 16, and as many that the array keeps free
@@ -82,15 +89,31 @@ class JsonScanner {
     at_ = end;
   }
 
+  // If a string that is a base64 data URI with long data begins here, notes the data and returns
+  // the closing quote; otherwise returns the first byte of the string.
+  std::size_t skip_data() {
+    constexpr std::size_t kLongestType = 128;  // media type and parameters
+    const std::size_t begin = at_ + 1;
+    if (!text_.substr(begin).starts_with(kDataUri)) return begin;
+    const std::size_t comma = text_.substr(begin, kLongestType).find_first_of(",\"\\");
+    if (comma == text_.npos || text_[begin + comma] != ',') return begin;
+    const std::size_t data = begin + comma + 1;
+    const std::size_t end =
+        first_json_byte(text_, data, [](char c) { return !is_base64_digit(c); });
+    if (end - data < kLongRun || end >= text_.size() || text_[end] != '"') return begin;
+    scan_.long_data.push_back({data, end});
+    return end;
+  }
+
   std::optional<Error> skip_string() {
-    std::size_t end = at_ + 1;
+    std::size_t end = skip_data();
     for (; end < text_.size(); ++end) {
       end = first_json_byte(text_, end, [](char c) { return (c == '"') | (c == '\\'); });
       if (end >= text_.size() || text_[end] == '"') break;
       ++end;  // what follows the backslash
     }
     end = std::min(end + 1, text_.size());
-    if (end - at_ > kMaxGltfStringBytes && !text_.substr(at_ + 1).starts_with("data:")) {
+    if (end - at_ > kMaxGltfStringBytes && !text_.substr(at_ + 1).starts_with(kDataUri)) {
       return beyond_limit("begins a string of more than " + std::to_string(kMaxGltfStringBytes) +
                               " bytes, which is no data URI",
                           "remove it from the asset");

@@ -1,7 +1,7 @@
 #pragma once
 
 // Goes once through JSON text before any parser does: checks its size and depth, counts what
-// determines the memory of parsing it, and finds long runs of spaces.
+// determines the memory of parsing it, and finds long runs of spaces and the data of data URIs.
 
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +27,8 @@ struct JsonScan {
   std::size_t nodes = 0;  // the objects in the array "nodes" of the root
   // The long runs of spaces between values, each without its last byte, in ascending order.
   std::vector<JsonTextPart> long_spaces;
+  // The long data of strings that are base64 data URIs, behind the comma, in ascending order.
+  std::vector<JsonTextPart> long_data;
 };
 
 // An error if the text exceeds a limit: kMaxGltfJsonBytes, kMaxGltfJsonDepth, kMaxGltfJsonValues,

@@ -76,7 +76,7 @@ inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each 
 // Triangles of meshes that are equal to others in all that the file says (see also
 // kGltfTrianglesPerMesh); further ones are read once. Hand-made scenes with equal meshes have
 // fewer.
-inline constexpr std::size_t kMaxGltfRepeatedTriangles = std::size_t{1} << 18;
+inline constexpr std::size_t kMaxGltfRepeatedTriangles = std::size_t{1} << 17;
 // A mesh is read again for each further pose, and for each mesh that refers to the same accessors,
 // so that a small file can describe any number of triangles. The limit of all triangles is
 // therefore lower for a file with little mesh data. A triangle takes about 240 bytes in a compiled

@@ -538,10 +538,10 @@ Result<SceneDescription> read_asset(const GltfSource& source, const std::string&
   if (auto error = check_node_count(scan->nodes, source.size())) return *error;
   ledger.begin("parsing the JSON");
   const JsonExtent& extent = scan->extent;
-  const MemoryNeed json_need = memory_of_json(json, extent);
+  const MemoryNeed json_need = memory_of_json(parsed_bytes(*scan, json.size()), extent);
   if (auto error = ledger.take(json_need)) return *error;
   expect_available(json_need.peak);
-  const MemoryReserve reserve(memory_to_destroy(json, extent));
+  const MemoryReserve reserve(memory_to_destroy(parsed_bytes(*scan, json.size()), extent));
   std::vector<std::string> warnings;
   if (container->byte_order_mark) {
     warnings.push_back("JSON: begins with a byte order mark, which is ignored");
@@ -552,13 +552,18 @@ Result<SceneDescription> read_asset(const GltfSource& source, const std::string&
   if (auto error = add_referenced_inputs(*root, folder)) return *error;
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
-  source.give_back(*text);
-  text->storage = {};
+  if (scan->long_data.empty()) {
+    source.give_back(*text);
+    text->storage = {};
+  }
   auto sections = read_model(*root, container->json.length, warnings);
   expect_no_shortage();
   if (!sections) return sections.error();
   ledger.begin("reading the file");
-  GltfBuffers buffers(std::move(sections->buffers), source, container->bin_chunk, folder, &ledger);
+  const std::span<std::uint8_t> own_text(text->storage.data(), text->storage.size());
+  GltfBuffers buffers(std::move(sections->buffers), source, container->bin_chunk, folder, &ledger,
+                      own_text.empty() ? GltfDataUris(json, scan->long_data)
+                                       : GltfDataUris(own_text, scan->long_data));
   if (container->misaligned) {
     warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
   }
