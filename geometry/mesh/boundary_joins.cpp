@@ -28,7 +28,7 @@ constexpr std::size_t kMostNear = 64;
 constexpr std::size_t kMostLeaves = 16;
 // The same, per edge and vertex beyond those of the first kLeavesOfAny leaves. Real surfaces with
 // very many boundary edges have short ones.
-constexpr std::size_t kMostFurtherLeaves = 4;
+constexpr std::size_t kMostFurtherLeaves = 2;
 constexpr std::size_t kLeavesOfAny = std::size_t{1} << 21;
 
 // The search for what may be within a bound covers this much more than the bound, which is computed

@@ -19,9 +19,9 @@ constexpr std::size_t kLongRun = 256;
 
 constexpr std::string_view kDataUri = "data:";
 
-bool is_base64_digit(char c) {
-  return ((c >= 'A') & (c <= 'Z')) | ((c >= 'a') & (c <= 'z')) | ((c >= '0') & (c <= '9')) |
-         (c == '+') | (c == '/') | (c == '=');
+// A byte that stands for itself in a JSON string.
+bool is_plain(char c) {
+  return (c >= ' ') & (c <= '~') & (c != '"') & (c != '\\');
 }
 
 // The memory of each value in the JSON library, as it is with the containers and the allocator of
@@ -89,7 +89,7 @@ class JsonScanner {
     at_ = end;
   }
 
-  // If a string that is a base64 data URI with long data begins here, notes the data and returns
+  // If a string that is a data URI with long data begins here, notes the data and returns
   // the closing quote; otherwise returns the first byte of the string.
   std::size_t skip_data() {
     constexpr std::size_t kLongestType = 128;  // media type and parameters
@@ -98,15 +98,17 @@ class JsonScanner {
     const std::size_t comma = text_.substr(begin, kLongestType).find_first_of(",\"\\");
     if (comma == text_.npos || text_[begin + comma] != ',') return begin;
     const std::size_t data = begin + comma + 1;
-    const std::size_t end =
-        first_json_byte(text_, data, [](char c) { return !is_base64_digit(c); });
-    if (end - data < kLongRun || end >= text_.size() || text_[end] != '"') return begin;
+    const std::size_t end = first_json_byte(text_, data, [](char c) { return !is_plain(c); });
+    if (end >= text_.size() || text_[end] != '"') return begin;
+    // Short data stay in the string, unless they could be mistaken for GltfDataUris::mark().
+    if (end - data < kLongRun && text_[data] != '*') return begin;
     scan_.long_data.push_back({data, end});
     return end;
   }
 
   std::optional<Error> skip_string() {
-    std::size_t end = skip_data();
+    const std::size_t begin = skip_data();
+    std::size_t end = begin;
     for (; end < text_.size(); ++end) {
       end = first_json_byte(text_, end, [](char c) { return (c == '"') | (c == '\\'); });
       if (end >= text_.size() || text_[end] == '"') break;
@@ -117,6 +119,13 @@ class JsonScanner {
       return beyond_limit("begins a string of more than " + std::to_string(kMaxGltfStringBytes) +
                               " bytes, which is no data URI",
                           "remove it from the asset");
+    }
+    string_bytes_ += end - begin;
+    if (string_bytes_ > kMaxGltfStringBytesInAll) {
+      return beyond_limit("brings the strings together to more than " +
+                              std::to_string(kMaxGltfStringBytesInAll) +
+                              " bytes; the data of data URIs without a backslash do not count",
+                          "shorten names and extras");
     }
     const std::string_view string = text_.substr(at_, end - at_);
     // A key has no memory of its own beside that of its member, unless it is long.
@@ -181,6 +190,7 @@ class JsonScanner {
   std::size_t at_ = 0;
   std::size_t counted_ = 1;
   std::size_t depth_ = 0;
+  std::size_t string_bytes_ = 0;
   bool is_in_section_ = false;           // whether the last key of the root is a section
   bool is_in_nodes_ = false;             // whether it is "nodes"
   std::uint64_t bytes_of_elements_ = 0;  // the part of JsonExtent::bytes that sections may have

@@ -27,13 +27,13 @@ struct JsonScan {
   std::size_t nodes = 0;  // the objects in the array "nodes" of the root
   // The long runs of spaces between values, each without its last byte, in ascending order.
   std::vector<JsonTextPart> long_spaces;
-  // The long data of strings that are base64 data URIs, behind the comma, in ascending order.
+  // The long data of strings that are data URIs, behind the comma, in ascending order.
   std::vector<JsonTextPart> long_data;
 };
 
 // An error if the text exceeds a limit: kMaxGltfJsonBytes, kMaxGltfJsonDepth, kMaxGltfJsonValues,
-// kMaxGltfStringBytes (data URIs may be longer) or kMaxGltfJsonMemory. Does not check the
-// grammar. Iterative; O(n). Thread-safe.
+// kMaxGltfStringBytes (data URIs may be longer), kMaxGltfStringBytesInAll or kMaxGltfJsonMemory.
+// Does not check the grammar. Iterative; O(n). Thread-safe.
 Result<JsonScan> scan_json(std::string_view text);
 
 }  // namespace palpate

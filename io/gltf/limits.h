@@ -42,6 +42,9 @@ inline constexpr std::uint64_t kMaxGltfJsonBytes = std::uint64_t{1} << 29;  // d
 inline constexpr std::size_t kMaxGltfChunks = std::size_t{1} << 12;         // of a GLB
 inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxGltfStringBytes = std::size_t{1} << 24;  // data URIs excepted
+// All strings together, without long data of data URIs: the names of nodes are held up to four
+// times.
+inline constexpr std::size_t kMaxGltfStringBytesInAll = std::size_t{1} << 26;
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
 inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
@@ -56,11 +59,11 @@ constexpr std::size_t most_gltf_elements(std::size_t text_bytes) {
 // text of strings.
 inline constexpr std::uint64_t kMaxGltfJsonMemory = std::uint64_t{160} << 20;
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
-// The limit is lower for a small file. A node takes up to 1 KiB: half of it while the JSON is read,
+// The limit is lower for a small file. A node takes about 1 KiB: half of it while the JSON is read,
 // and half in a compiled scene. Further nodes must therefore bring as much, for example with
 // meshes.
 constexpr std::size_t most_gltf_nodes(std::uint64_t file_bytes) {
-  constexpr std::uint64_t kOfAnyFile = std::uint64_t{1} << 18;
+  constexpr std::uint64_t kOfAnyFile = std::uint64_t{1} << 17;
   constexpr std::uint64_t kBytesPerNode = 1024;
   return std::min<std::uint64_t>(kMaxGltfNodes, kOfAnyFile + file_bytes / kBytesPerNode);
 }
@@ -80,12 +83,18 @@ inline constexpr std::size_t kMaxGltfRepeatedTriangles = std::size_t{1} << 17;
 // A mesh is read again for each further pose, and for each mesh that refers to the same accessors,
 // so that a small file can describe any number of triangles. The limit of all triangles is
 // therefore lower for a file with little mesh data. A triangle takes about 240 bytes in a compiled
-// scene: those of any file fit into 256 MiB. A crowd of 100 characters in different poses, which
-// share one mesh, has two to four triangles for each byte of the mesh and its skin.
+// scene: those of any file fit into 256 MiB.
+inline constexpr std::uint64_t kGltfTrianglesOfAnyFile = std::uint64_t{1} << 20;
+// Triangles of meshes without a skin and morph weights. A real triangle has four bytes of mesh data
+// or more, even in a strip of quantised positions.
 constexpr std::size_t most_gltf_triangles(std::uint64_t mesh_bytes) {
-  constexpr std::uint64_t kOfAnyFile = std::uint64_t{1} << 20;
-  constexpr std::uint64_t kPerByte = 4;
-  return std::min<std::uint64_t>(kMaxGltfTriangles, kOfAnyFile + kPerByte * mesh_bytes);
+  return std::min<std::uint64_t>(kMaxGltfTriangles, kGltfTrianglesOfAnyFile + mesh_bytes / 2);
+}
+// Triangles of meshes with a skin or morph weights, in all poses. A crowd of 100 characters in
+// different poses, which share one mesh, has two to four triangles for each byte of the mesh and
+// its skin.
+constexpr std::size_t most_gltf_posed_triangles(std::uint64_t mesh_bytes) {
+  return std::min<std::uint64_t>(kMaxGltfTriangles, kGltfTrianglesOfAnyFile + 4 * mesh_bytes);
 }
 // A mesh counts as this many triangles in addition to its own: it takes about 12 kB in a compiled
 // scene, however few triangles it has.
@@ -107,9 +116,9 @@ inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;  // all skin
 // bytes in a compiled scene, and 12 bytes in a file.
 inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 18;
 // The limit of the work for poses, in counted units. Each pose of a mesh costs 16 units for each
-// primitive, 1 for each attribute, target and weight, 1 for each vertex of the decoded morph
-// targets, and 1 for each value in the sets of joints. The animation that poses the scene costs 1
-// unit for each element of its samplers.
+// primitive, 1 for each attribute and weight, 64 for each target, 1 for each vertex of the decoded
+// morph targets, and 1 for each value in the sets of joints. The animation that poses the scene
+// costs 1 unit for each element of its samplers.
 inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
 // Key times that are read to determine the lengths of the animations.
 inline constexpr std::size_t kMaxGltfKeyTimes = std::size_t{1} << 24;

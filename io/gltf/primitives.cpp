@@ -78,13 +78,16 @@ class MeshReader {
   }
 
  private:
+  bool is_posed() const { return pose_.skin != nullptr || !pose_.morph_weights.empty(); }
+
   // The JSON of the mesh is read again for every pose, and a small file can require many poses.
   std::optional<Error> charge_pose(const tinygltf::Mesh& mesh) {
-    if (!pose_.skin && pose_.morph_weights.empty()) return std::nullopt;
+    if (!is_posed()) return std::nullopt;
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
       constexpr std::size_t kPerPrimitive = 16;  // relative to a vertex: names, look-ups, warnings
+      constexpr std::size_t kPerTarget = 64;     // to find and check its data
       const std::size_t cost =
-          kPerPrimitive + primitive.attributes.size() + primitive.targets.size();
+          kPerPrimitive + primitive.attributes.size() + kPerTarget * primitive.targets.size();
       if (cost > budget_.pose_work) {
         return gltf_error(ErrorCode::kLimitExceeded, gltf_element("meshes", mesh_id_),
                           "has too many poses: more than " + std::to_string(kMaxGltfPoseWork) +
@@ -356,8 +359,9 @@ class MeshReader {
                               const std::string& element) {
     budget_.triangles -= triangles.size();
     const std::size_t of_mesh = description_.triangles.empty() ? kGltfTrianglesPerMesh : 0;
-    auto error = count_triangles(asset_, of_mesh + triangles.size(), element,
-                                 "refers to data that other primitives use as well", budget_);
+    auto error =
+        count_triangles(asset_, of_mesh + triangles.size(), element,
+                        "has too many triangles for the data of the file", is_posed(), budget_);
     if (error) return error;
     if (first_vertex > 0) {
       for (Triangle& t : triangles) {
@@ -410,21 +414,22 @@ std::vector<Triangle> assemble_triangles(TriangleMode mode,
 
 std::optional<Error> count_triangles(const GltfAsset& asset, std::size_t triangles,
                                      const std::string& element, const std::string& what,
-                                     GltfBudget& budget) {
+                                     bool posed, GltfBudget& budget) {
   const std::uint64_t bytes = asset.buffers.mesh_bytes();
-  const std::size_t most = most_gltf_triangles(bytes);
-  if (triangles <= most - std::min(most, budget.counted_triangles)) {
-    budget.counted_triangles += triangles;
+  const std::size_t most = posed ? most_gltf_posed_triangles(bytes) : most_gltf_triangles(bytes);
+  std::size_t& counted = posed ? budget.posed_triangles : budget.unposed_triangles;
+  if (triangles <= most - std::min(most, counted)) {
+    counted += triangles;
     return std::nullopt;
   }
   return gltf_error(
       ErrorCode::kLimitExceeded, element,
-      what +
-          ": with it, the meshes of the scene, each counted once for each pose, "
-          "count as " +
-          std::to_string(budget.counted_triangles + triangles) + " triangles; expected at most " +
+      what + ": with it, the meshes " +
+          (posed ? "with skins or morph weights, each counted once for each pose,"
+                 : "without skins and morph weights") +
+          " count as " + std::to_string(counted + triangles) + " triangles; expected at most " +
           std::to_string(most) + " for the " + std::to_string(bytes) +
-          " bytes of mesh data that the file has",
+          " bytes of mesh data that were read",
       "let nodes share one mesh in one pose, or divide the scene among several files");
 }
 

@@ -359,7 +359,8 @@ class SceneReader {
     GltfBudget after = budget_;  // the triangles are counted when they are read
     return count_triangles(asset_, known->second + kGltfTrianglesPerMesh,
                            gltf_element("nodes", node),
-                           "poses mesh " + std::to_string(posed.mesh) + " once more", after);
+                           "poses mesh " + std::to_string(posed.mesh) + " once more",
+                           posed.skin.has_value() || !posed.morph_weights->empty(), after);
   }
 
   // Reads the mesh at its first use in this pose, by a node; nothing if it has no triangle.
@@ -465,7 +466,7 @@ class SceneReader {
   SceneDescription scene_;
   std::size_t first_loss_ = 0;  // index of the first warning that may explain an empty scene
   PalpateExtras extras_;
-  GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork, 0};
+  GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork, 0, 0};
   std::map<PosedMesh, std::optional<std::uint32_t>> meshes_;
   std::map<std::size_t, std::size_t> first_equal_;     // of meshes, by ids in the file
   std::map<std::size_t, std::size_t> triangles_;       // of meshes, by ids in the file
