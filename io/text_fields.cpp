@@ -131,7 +131,7 @@ Number parse_number(std::string_view field, int power) {
   const char* end = field.data() + field.size();
   auto [stop, code] = std::from_chars(field.data(), end, value);
   if (stop != end || code == std::errc::invalid_argument) return {};
-  const bool has_digits = std::any_of(field.begin(), field.end(), is_digit);
+  const bool has_digits = std::any_of(field.begin(), field.end(), is_decimal_digit);
   if (power != 0 && has_digits) {
     // The power is added to the exponent, so that the number is rounded once.
     const std::size_t mark = std::min(field.find_first_of("eE"), field.size());
