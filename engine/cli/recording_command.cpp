@@ -251,6 +251,13 @@ nlohmann::ordered_json check_json(const std::string& path, const RecordingCheck&
   return json;
 }
 
+// Shows the progress of work that takes a RecordingProgress. The line is gone when this returns.
+template <typename Work>
+Result<RecordingCheck> with_progress(const char* label, const Work& work) {
+  ProgressBar bar(label);
+  return work([&bar](double share) { bar.show(share); });
+}
+
 // What is wrong with the settings; no value if they can be replayed.
 std::optional<std::string> settings_problem(const RecordingReader& reader) {
   const auto meta = reader.meta();
@@ -339,7 +346,9 @@ int RecordingCommand::check() {
   for (const std::string& file : files_) {
     const auto reader = RecordingReader::open(file);
     if (!reader) return refuse(reader.error());
-    const auto checked = check_recording(*reader);
+    const auto checked = with_progress("recording check", [&](const RecordingProgress& progress) {
+      return check_recording(*reader, progress);
+    });
     if (!checked) return refuse(checked.error());
     RecordingCheck all_checked = *checked;
     if (const auto problem = settings_problem(*reader)) {
@@ -369,7 +378,11 @@ int RecordingCommand::copy(bool repairs) {
   if (repairs) {
     if (const auto error = check_recording_names({out_})) return refuse(*error);
   }
-  const auto checked = repairs ? repair_recording(*reader, out_) : export_recording(*reader, csv_);
+  const auto checked = with_progress(repairs ? "recording repair" : "recording export",
+                                     [&](const RecordingProgress& progress) {
+                                       return repairs ? repair_recording(*reader, out_, progress)
+                                                      : export_recording(*reader, csv_, progress);
+                                     });
   if (!checked) return refuse(checked.error());
   if (json_) {
     print(check_json(files_.front(), *checked));
