@@ -5,7 +5,9 @@
 namespace palpate {
 
 std::uint64_t parsed_bytes(const JsonScan& scan, std::uint64_t text_bytes) {
-  for (const JsonTextPart& part : scan.long_data) text_bytes -= part.end - part.begin;
+  for (const auto* parts : {&scan.long_data, &scan.long_spaces}) {
+    for (const JsonTextPart& part : *parts) text_bytes -= part.end - part.begin;
+  }
   return text_bytes;
 }
 

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-// The bytes of a text that the JSON library gets: without JsonScan::long_data.
+// The bytes of a text that the JSON library gets: without the long spaces and data of the scan.
 std::uint64_t parsed_bytes(const JsonScan& scan, std::uint64_t text_bytes);
 
 // The memory that parsing the text of an asset needs, for the JSON and for tinygltf's model of the

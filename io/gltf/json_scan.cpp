@@ -17,6 +17,10 @@ namespace {
 // A shorter run of spaces costs the JSON library less than a part of the list.
 constexpr std::size_t kLongRun = 256;
 
+// Less data of data URIs than this stay in the text that is parsed, so that messages of the parser
+// have the right column.
+constexpr std::size_t kFewData = std::size_t{1} << 20;
+
 constexpr std::string_view kDataUri = "data:";
 
 // A byte that stands for itself in a JSON string.
@@ -68,6 +72,9 @@ class JsonScanner {
     }
     while (depth_ > 0) close();  // of a text that is cut off
     if (auto error = check_memory()) return *error;
+    std::size_t data_bytes = 0;
+    for (const JsonTextPart& part : scan_.long_data) data_bytes += part.end - part.begin;
+    if (data_bytes < kFewData) scan_.long_data.clear();
     return std::move(scan_);
   }
 

@@ -27,7 +27,8 @@ struct JsonScan {
   std::size_t nodes = 0;  // the objects in the array "nodes" of the root
   // The long runs of spaces between values, each without its last byte, in ascending order.
   std::vector<JsonTextPart> long_spaces;
-  // The long data of strings that are data URIs, behind the comma, in ascending order.
+  // The long data of strings that are data URIs, behind the comma, in ascending order; none if
+  // they are few.
   std::vector<JsonTextPart> long_data;
 };
 
