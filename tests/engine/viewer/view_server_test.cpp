@@ -430,6 +430,22 @@ TEST(ViewAttack, TokenInAnAddressIsOfNoUse) {
   expect_served(served);
 }
 
+TEST(ViewServer, SaysThatAProcessMayOpenTooFewFiles) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  for (const rlim_t files : {100, 143, 144}) {
+    rlimit few = before;
+    few.rlim_cur = files;
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+    const auto problem = ViewServer::files_problem();
+    ::setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_EQ(problem.has_value(), files < 144) << files;
+    if (problem) {
+      EXPECT_NE(problem->find("may open " + std::to_string(files) + " files"), std::string::npos);
+    }
+  }
+}
+
 TEST(ViewServer, IgnoresAQueryOfThePage) {
   ServedModel served;
   for (const std::string& target : Texts{"/?x=1", "/?", "/?" + served.token, "/?/../x?y"}) {
