@@ -141,7 +141,10 @@ class JsonScanner {
     if (!is_key) scan_.extent.bytes += kStringBytes;
     if (is_key && depth_ == 1) {
       is_in_section_ = is_section(string);
-      is_in_nodes_ = string == "\"nodes\"";
+      counted_list_ = string == "\"nodes\""        ? &scan_.nodes
+                      : string == "\"scenes\""     ? &scan_.scenes
+                      : string == "\"animations\"" ? &scan_.animations
+                                                   : nullptr;
     }
     if (end - at_ > kLongString + 2) {
       scan_.extent.bytes += kAllocationBytes;
@@ -179,7 +182,7 @@ class JsonScanner {
     extent.bytes += level.values * (level.is_object ? kMemberBytes : kArrayItemBytes);
     if (depth_ != 2 || !is_in_section_) return;
     bytes_of_elements_ += std::min(extent.bytes - level.bytes_before, kElementBytes);
-    if (is_in_nodes_ && level.is_object) ++scan_.nodes;
+    if (counted_list_ != nullptr && level.is_object) ++*counted_list_;
   }
 
   std::optional<Error> check_memory() const {
@@ -199,10 +202,10 @@ class JsonScanner {
   std::size_t depth_ = 0;
   std::size_t string_bytes_ = 0;
   bool is_in_section_ = false;           // whether the last key of the root is a section
-  bool is_in_nodes_ = false;             // whether it is "nodes"
   std::uint64_t bytes_of_elements_ = 0;  // the part of JsonExtent::bytes that sections may have
   std::array<Level, kMaxGltfJsonDepth + 1> levels_{};  // the open arrays and objects
   JsonScan scan_;
+  std::size_t* counted_list_ = nullptr;  // the count for the last key of the root
 };
 
 }  // namespace

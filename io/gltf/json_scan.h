@@ -24,7 +24,10 @@ struct JsonExtent {
 
 struct JsonScan {
   JsonExtent extent;
-  std::size_t nodes = 0;  // the objects in the array "nodes" of the root
+  // The objects in arrays of the root.
+  std::size_t nodes = 0;
+  std::size_t scenes = 0;
+  std::size_t animations = 0;
   // The long runs of spaces between values, each without its last byte, in ascending order.
   std::vector<JsonTextPart> long_spaces;
   // The long data of strings that are data URIs, behind the comma, in ascending order; none if

@@ -67,6 +67,9 @@ constexpr std::size_t most_gltf_nodes(std::uint64_t file_bytes) {
   constexpr std::uint64_t kBytesPerNode = 1024;
   return std::min<std::uint64_t>(kMaxGltfNodes, kOfAnyFile + file_bytes / kBytesPerNode);
 }
+// A scene or an animation takes about 1 KiB while it is read, and one byte or more in a file.
+inline constexpr std::size_t kMaxGltfScenes = std::size_t{1} << 16;
+inline constexpr std::size_t kMaxGltfAnimations = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfNodeDepth = 1024;  // 1: a root
 // Limits of the factor by which a node and its ancestors scale a mesh. Outside these limits,
 // products of three lengths, such as volumes, overflow or underflow.

@@ -525,6 +525,14 @@ std::optional<Error> check_node_count(std::size_t nodes, std::uint64_t file_byte
                     "join small meshes, or divide the scene among several files");
 }
 
+std::optional<Error> check_count(std::size_t count, std::size_t most, const std::string& element) {
+  if (count <= most) return std::nullopt;
+  return gltf_error(
+      ErrorCode::kLimitExceeded, element,
+      "has " + std::to_string(count) + " elements; at most " + std::to_string(most) + " are read",
+      "remove those that are not needed");
+}
+
 // As read_gltf_bytes(), but may throw, and Error::path is empty.
 Result<SceneDescription> read_asset(const GltfSource& source, const std::string& folder,
                                     const ReadOptions& options, MemoryLedger& ledger) {
@@ -537,6 +545,8 @@ Result<SceneDescription> read_asset(const GltfSource& source, const std::string&
   const auto scan = scan_json(json);
   if (!scan) return scan.error();
   if (auto error = check_node_count(scan->nodes, source.size())) return *error;
+  if (auto error = check_count(scan->scenes, kMaxGltfScenes, "/scenes")) return *error;
+  if (auto error = check_count(scan->animations, kMaxGltfAnimations, "/animations")) return *error;
   ledger.begin("parsing the JSON");
   const JsonExtent& extent = scan->extent;
   const MemoryNeed json_need = memory_of_json(parsed_bytes(*scan, json.size()), extent);

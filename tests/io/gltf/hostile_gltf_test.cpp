@@ -525,6 +525,18 @@ TEST(HostileGltf, NodesOfASmallFileAreCountedBeforeTheyAreParsed) {
   EXPECT_LT(refused.peak_bytes, std::size_t{1} << 20);
 }
 
+TEST(HostileGltf, ScenesAndAnimationsAreCountedBeforeTheyAreParsed) {
+  for (const std::string list : {"scenes", "animations"}) {
+    const std::string text =
+        "{" + kAsset + ",\"" + list + "\":" + list_of("{}", kMaxGltfScenes + 1) + "}";
+    const Outcome refused = read_measured(text, "/nowhere");
+    ASSERT_FALSE(refused.scene.ok());
+    EXPECT_EQ(refused.scene.error().code, ErrorCode::kLimitExceeded);
+    EXPECT_EQ(refused.scene.error().element, "/" + list);
+    EXPECT_LT(refused.peak_bytes, std::size_t{1} << 20);
+  }
+}
+
 // --- Long texts that are not parsed --------------------------------------------------------------
 
 // The memory beside the file that reading it takes.
