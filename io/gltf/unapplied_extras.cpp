@@ -468,9 +468,9 @@ class Search {
     for (const auto& [name, member] : value.items()) {
       const Path at = path / name;
       if (const auto rest = after_group_name(name)) {
-        add(at, [&] {
+        add(at, [&, &inner = member] {
           return "it lies inside " + in_quotes(path.text()) + "; " +
-                 belongs(member, element, rest->empty());
+                 belongs(inner, element, rest->empty());
         });
       } else if (member.is_structured()) {
         search_nested(member, at, element);
