@@ -94,13 +94,13 @@ prepare_viewer() {
   local build=$palpate_root/build/$1
   fetch_packages page_packages engine/viewer/page || return 1
   if [ "$build/build.ninja" -nt "$palpate_root/build/page_packages/node_modules" ] &&
-    grep -q '^PALPATE_VIEWER:BOOL=ON$' "$build/CMakeCache.txt"; then
+    grep -q '^PALPATE_VIEWER:STRING=AUTO$' "$build/CMakeCache.txt"; then
     return 0
   fi
   say "configuring $1 with the viewer"
   local log
   log=$(mktemp)
-  (cd "$palpate_root" && cmake --preset "$1" -DPALPATE_VIEWER=ON) >"$log" 2>&1 || {
+  (cd "$palpate_root" && cmake --preset "$1" -DPALPATE_VIEWER:STRING=AUTO) >"$log" 2>&1 || {
     cat "$log" >&2
     rm -f "$log"
     return 1

@@ -20,26 +20,46 @@ constexpr std::array<std::uint8_t, 256> digit_table() {
 
 constexpr std::array<std::uint8_t, 256> kDigits = digit_table();
 
+// The text without its padding.
+std::string_view digits_of(std::string_view text) {
+  if (text.size() % 4 == 0 && text.ends_with('=')) text.remove_suffix(text.ends_with("==") ? 2 : 1);
+  return text;
+}
+
+std::uint32_t digit(char c) {
+  return kDigits[static_cast<unsigned char>(c)];
+}
+
 }  // namespace
 
-std::optional<std::vector<std::uint8_t>> base64_decoded(std::string_view text) {
-  if (text.size() % 4 == 0 && text.ends_with('=')) text.remove_suffix(text.ends_with("==") ? 2 : 1);
-  if (text.size() % 4 == 1) return std::nullopt;
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(text.size() / 4 * 3 + 2);
-  std::uint32_t bits = 0;
-  unsigned bit_count = 0;
-  for (const char c : text) {
-    const std::uint8_t digit = kDigits[static_cast<unsigned char>(c)];
-    if (digit == kNotADigit) return std::nullopt;
-    bits = (bits << 6 | digit) & 0xffffu;  // at most 6 + 6 bits are pending
-    bit_count += 6;
-    if (bit_count >= 8) {
-      bit_count -= 8;
-      bytes.push_back(static_cast<std::uint8_t>(bits >> bit_count));
-    }
+std::optional<std::size_t> base64_size(std::string_view text) {
+  const std::size_t digits = digits_of(text).size();
+  if (digits % 4 == 1) return std::nullopt;
+  return digits / 4 * 3 + digits % 4 * 3 / 4;
+}
+
+bool decode_base64(std::string_view text, std::uint8_t* bytes) {
+  text = digits_of(text);
+  constexpr std::uint32_t kMostDigit = 63;
+  std::uint32_t all = 0;  // the bits of all digits
+  const char* c = text.data();
+  for (std::size_t left = text.size() / 4; left > 0; --left, c += 4, bytes += 3) {
+    const std::uint32_t d[4] = {digit(c[0]), digit(c[1]), digit(c[2]), digit(c[3])};
+    all |= d[0] | d[1] | d[2] | d[3];
+    const std::uint32_t bits = d[0] << 18 | d[1] << 12 | d[2] << 6 | d[3];
+    bytes[0] = static_cast<std::uint8_t>(bits >> 16);
+    bytes[1] = static_cast<std::uint8_t>(bits >> 8);
+    bytes[2] = static_cast<std::uint8_t>(bits);
   }
-  return bytes;
+  const std::size_t rest = text.size() % 4;
+  if (rest >= 2) {
+    const std::uint32_t d[3] = {digit(c[0]), digit(c[1]), rest > 2 ? digit(c[2]) : 0};
+    all |= d[0] | d[1] | d[2];
+    const std::uint32_t bits = d[0] << 18 | d[1] << 12 | d[2] << 6;
+    bytes[0] = static_cast<std::uint8_t>(bits >> 16);
+    if (rest > 2) bytes[1] = static_cast<std::uint8_t>(bits >> 8);
+  }
+  return rest != 1 && all <= kMostDigit;
 }
 
 }  // namespace palpate

@@ -114,14 +114,17 @@ Error with_compare_options(Error error) {
 // "palpate compare" again continues where this call stopped.
 int report_stopped_comparison(const CompareOutcome& outcome, const CompareRequest& request) {
   std::size_t done = 0;
-  std::uint64_t trials_of_others = 0;
+  std::uint64_t kept_trials = 0;
   for (const ExperimentRunOutcome& run : outcome.runs) {
     done += run.computed.size() + run.kept.size();
-    trials_of_others += run.trials_done;
+    kept_trials += run.trials_done;
   }
   std::string text =
       "the trials of " + std::to_string(done) + " hands are complete in " + request.out_dir;
-  if (trials_of_others > 0) text += ", with " + kept_trials_text(trials_of_others, "hand");
+  if (kept_trials > 0) {
+    text += ", " + kept_trials_text(kept_trials, "hand") + (kept_trials == 1 ? " is" : " are") +
+            " kept there";
+  }
   std::cerr << "palpate: interrupted; " << text << ", and the same command goes on from there\n";
   return exit_code_after_signals(0);
 }

@@ -214,7 +214,11 @@ int replay_recorded(const RecordedReplayRequest& request) {
   if (!scene) return refuse(scene.error());
   ReplayOptions options;
   if (request.asks_what_if()) options.change = change_of(request);
-  const auto outcome = replay_recording(*reader, *session, *scene, options);
+  const auto outcome = [&] {
+    ProgressBar bar("replay");
+    options.progress = [&bar](double share) { bar.show(share); };
+    return replay_recording(*reader, *session, *scene, options);
+  }();
   if (!outcome) return refuse(outcome.error());
   if (request.asks_what_if()) return report_what_if(request, *session, *outcome, *scene);
   if (request.json) {

@@ -17,6 +17,7 @@
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/run_recording.h"
+#include "engine/cli/start_inside_report.h"
 #include "engine/recording/recording_check.h"
 #include "engine/recording/recording_overview.h"
 #include "engine/recording/recording_reader.h"
@@ -133,6 +134,13 @@ std::string event_words(const RecordingDescription& d, const std::string& kind) 
   return std::to_string(count) + (are_all ? "" : " or more");
 }
 
+// The newest event of a hand that began inside a closed surface; null if there is none.
+const EventRow* start_inside_of(const RecordingDescription& d) {
+  const auto newest = std::find_if(d.events.rbegin(), d.events.rend(),
+                                   [](const EventRow& e) { return e.kind == kInsideEvent; });
+  return newest == d.events.rend() ? nullptr : &*newest;
+}
+
 // What of the scene's file was loaded, where it is not the default.
 void add_loaded_part(const SceneSettings& scene, SummaryLines& lines) {
   if (!scene.listed_scene.empty()) lines.add("listed scene", printable(scene.listed_scene));
@@ -181,6 +189,7 @@ std::string info_text(const RecordingReader& reader, const RecordingDescription&
        << (reader.has_log() ? ", with a log beside it (-wal)" : "") << "\n";
   SummaryLines lines;
   add_session(d, lines);
+  if (const EventRow* inside = start_inside_of(d)) lines.add("start", inside->detail);
   lines.add("gaps", gap_words(d.overview));
   lines.add("trips", event_words(d, "trip"));
   const auto session = session_of(d.meta);
@@ -213,6 +222,8 @@ nlohmann::ordered_json info_json(const RecordingReader& reader, const RecordingD
   json["missing"] = d.overview.missing;
   json["last_time_s"] = d.overview.last_time_s ? nlohmann::ordered_json(*d.overview.last_time_s)
                                                : nlohmann::ordered_json();
+  const EventRow* const inside = start_inside_of(d);
+  json["start_inside"] = inside ? nlohmann::ordered_json(inside->detail) : nlohmann::ordered_json();
   json["meta"] = nlohmann::ordered_json::object();
   for (const auto& [key, value] : d.meta) json["meta"][key] = meta_json(value);
   json["events"] = nlohmann::ordered_json::array();
@@ -249,6 +260,13 @@ nlohmann::ordered_json check_json(const std::string& path, const RecordingCheck&
     json["gaps"].push_back({{"first", gap.first}, {"count", gap.count}});
   }
   return json;
+}
+
+// Shows the progress of work that takes a RecordingProgress. The line is gone when this returns.
+template <typename Work>
+Result<RecordingCheck> with_progress(const char* label, const Work& work) {
+  ProgressBar bar(label);
+  return work([&bar](double share) { bar.show(share); });
 }
 
 // What is wrong with the settings; no value if they can be replayed.
@@ -339,7 +357,9 @@ int RecordingCommand::check() {
   for (const std::string& file : files_) {
     const auto reader = RecordingReader::open(file);
     if (!reader) return refuse(reader.error());
-    const auto checked = check_recording(*reader);
+    const auto checked = with_progress("recording check", [&](const RecordingProgress& progress) {
+      return check_recording(*reader, progress);
+    });
     if (!checked) return refuse(checked.error());
     RecordingCheck all_checked = *checked;
     if (const auto problem = settings_problem(*reader)) {
@@ -369,7 +389,11 @@ int RecordingCommand::copy(bool repairs) {
   if (repairs) {
     if (const auto error = check_recording_names({out_})) return refuse(*error);
   }
-  const auto checked = repairs ? repair_recording(*reader, out_) : export_recording(*reader, csv_);
+  const auto checked = with_progress(repairs ? "recording repair" : "recording export",
+                                     [&](const RecordingProgress& progress) {
+                                       return repairs ? repair_recording(*reader, out_, progress)
+                                                      : export_recording(*reader, csv_, progress);
+                                     });
   if (!checked) return refuse(checked.error());
   if (json_) {
     print(check_json(files_.front(), *checked));

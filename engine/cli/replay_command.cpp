@@ -39,6 +39,9 @@ class ReplayCommand final : public Command {
 
  private:
   int replay_recording();
+  Result<ReplayResult> replay_with_progress(const Scene& scene, const RunSetup& setup,
+                                            const PlayedPath& path) const;
+  std::optional<Error> write_trace_with_progress(const std::vector<TickRecord>& records) const;
 
   CLI::App* app_ = nullptr;
   SceneOptions scene_;
@@ -122,6 +125,21 @@ int ReplayCommand::replay_recording() {
   return replay_recorded(request);
 }
 
+Result<ReplayResult> ReplayCommand::replay_with_progress(const Scene& scene, const RunSetup& setup,
+                                                         const PlayedPath& path) const {
+  ProgressBar bar("replay");
+  const auto show = [&bar](double share) { bar.show(share); };
+  return path.ticks_s
+             ? palpate::replay(scene, setup, path.positions_m, *path.ticks_s, repeat_, show)
+             : palpate::replay(scene, setup, path.positions_m, repeat_, show);
+}
+
+std::optional<Error> ReplayCommand::write_trace_with_progress(
+    const std::vector<TickRecord>& records) const {
+  ProgressBar bar("writing the trace");
+  return write_trace(trace_, records, [&bar](double share) { bar.show(share); });
+}
+
 int ReplayCommand::run(const std::vector<std::string>&) {
   const auto is_given = [this](const std::string& name) {
     return app_->get_option(name)->count() > 0;
@@ -152,17 +170,13 @@ int ReplayCommand::run(const std::vector<std::string>&) {
   if (!setup) return refuse(setup.error());
   const Result<Scene> scene = load_scene(scene_, options_.settings);
   if (!scene) return refuse(scene.error());
-  const Result<ReplayResult> result =
-      path->ticks_s ? palpate::replay(*scene, *setup, path->positions_m, *path->ticks_s, repeat_)
-                    : palpate::replay(*scene, *setup, path->positions_m, repeat_);
+  const Result<ReplayResult> result = replay_with_progress(*scene, *setup, *path);
   if (!result) return refuse(result.error());
   // From here on a signal may not leave half a file.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (!trace_.empty()) {
     if (const auto error = check_output()) return refuse(*error);
-    if (const auto error = write_trace(trace_, result->records)) {
-      return refuse(*error);
-    }
+    if (const auto error = write_trace_with_progress(result->records)) return refuse(*error);
   }
   const auto enclosing =
       result->records.empty() ? std::nullopt : object_around(*scene, result->records.front());

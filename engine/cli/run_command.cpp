@@ -162,6 +162,10 @@ Result<std::vector<ExplorationRun>> explore_and_write(const RunRequest& command,
     ProgressBar bar(a4 ? "with A4   " : "without A4", command.exploration.seconds);
     Result<ExplorationRun> run = explore(
         prepared.scene, setup, exploration, [&](double share) { bar.show(share); }, &stop);
+    if (*recorder && run && !run->records.empty()) {
+      record_simulated_start(recorder->get(), prepared.scene,
+                             object_around(prepared.scene, run->records.front()));
+    }
     if (auto recording =
             finish_recording(std::move(*recorder), stop.requested() ? "interrupted" : "end")) {
       recordings.push_back(std::move(*recording));

@@ -143,6 +143,10 @@ int run_prepared(const RunRequest& request, const PreparedRun& prepared, Guardab
       make_recorder(request.record, request.scene, prepared.scene, prepared.setup, false);
   if (!recorder) return refuse(recorder.error());
   settings.sink = recorder->get();
+  settings.on_start_inside = [&, tell = std::move(settings.on_start_inside)](const auto& status) {
+    tell(status);
+    record_start_inside(recorder->get(), prepared.scene, status);
+  };
   Result<DeviceRun> run = [&] {
     ProgressBar bar(request.a4 == A4Runs::kOn ? "with A4" : "without A4", settings.seconds);
     return run_device(

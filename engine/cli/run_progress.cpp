@@ -43,7 +43,9 @@ std::string shard_text(const DealtOutcome& outcome, const DealtSettings& setting
 }
 
 std::string kept_trials_text(std::uint64_t trials, const std::string& noun) {
-  return trials == 0 ? "" : count_text(trials, "trial") + " of other " + noun + "s";
+  if (trials == 0) return "";
+  return count_text(trials, "trial") + " of " +
+         (trials == 1 ? "an incomplete " + noun : "incomplete " + noun + "s");
 }
 
 int report_interruption(const DealtOutcome& outcome, const std::string& noun,
@@ -52,7 +54,10 @@ int report_interruption(const DealtOutcome& outcome, const std::string& noun,
   const std::size_t all = done + outcome.not_done.size();
   std::string text = std::to_string(done) + " of " + count_text(all, noun) +
                      (all == 1 ? " is" : " are") + " complete in " + out_dir + "/parts";
-  if (outcome.trials_done > 0) text += ", with " + kept_trials_text(outcome.trials_done, noun);
+  if (outcome.trials_done > 0) {
+    text += ", " + kept_trials_text(outcome.trials_done, noun) +
+            (outcome.trials_done == 1 ? " is" : " are") + " kept there";
+  }
   std::cerr << "palpate: interrupted; " << text << ", and the same command goes on from there\n";
   return exit_code_after_signals(0);
 }

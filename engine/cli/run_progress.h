@@ -28,8 +28,7 @@ std::string count_text(std::size_t count, const std::string& noun);
 std::string shard_text(const DealtOutcome& outcome, const DealtSettings& settings,
                        const std::string& noun, const std::string& merged_dir);
 
-// "12 trials of other participants"; empty without trials. They are kept, although no participant
-// of theirs is complete.
+// "12 trials of incomplete participants"; empty without trials.
 std::string kept_trials_text(std::uint64_t trials, const std::string& noun);
 
 // Says on stderr how many units are complete, and returns the exit code.

@@ -17,6 +17,7 @@
 #include "engine/cli/program_signals.h"
 #include "engine/cli/report.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/start_inside_report.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
@@ -127,6 +128,7 @@ nlohmann::ordered_json soak_json(const SoakRun& run, const PreparedRun& prepared
                                  {"fifo", run.realtime.fifo_priority},
                                  {"locked_memory", run.realtime.locked_memory},
                                  {"tick_times", tick_times_json(run.tick_times)}};
+  json["starts_inside"] = node_json(prepared.scene, run.starts_inside);
   json["reached_timing"] = reached_timing_json(prepared.setup, run.tick_times);
   json["worst_cpu_share"] =
       1e-9 * static_cast<double>(run.tick_times.cpu.largest_ns()) / prepared.setup.dt_s;
@@ -228,6 +230,9 @@ int SoakCommand::report(const PreparedRun& prepared, const SoakRun& run, OutputF
     std::cout << text << "report in " << request_.out_dir << "/\n";
   }
   std::vector<std::string> warnings = load_warning_lines(prepared.scene);
+  if (run.starts_inside) {
+    warnings.push_back(simulated_start_line(prepared.scene, run.starts_inside));
+  }
   if (!run.realtime.explanation.empty()) warnings.push_back(run.realtime.explanation);
   return exit_code_after_signals(finish_output(warnings));
 }

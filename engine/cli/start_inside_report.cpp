@@ -35,6 +35,29 @@ nlohmann::ordered_json start_inside_json(const Scene& scene, const StartInside::
   return {{"node", scene.objects()[status.object].name}, {"ending", ending}};
 }
 
+void record_start_inside(Recorder* recorder, const Scene& scene,
+                         const StartInside::Status& status) {
+  using Phase = StartInside::Phase;
+  if (recorder == nullptr || !status.was_inside || status.phase == Phase::kSearching) return;
+  if (status.phase == Phase::kInside) {
+    return recorder->add_event(
+        kInsideEvent,
+        start_inside_text(scene, status.object) + "; there is no force until it has left",
+        Recorder::EventTime::kStart);
+  }
+  const std::string text =
+      status.phase == Phase::kOutside
+          ? "the hand has left " + object_text(scene, status.object) + "; force begins"
+          : start_inside_text(scene, status.object) + " and stays there; force begins";
+  recorder->add_event(kInsideEvent, text, Recorder::EventTime::kNow);
+}
+
+void record_simulated_start(Recorder* recorder, const Scene& scene,
+                            std::optional<std::size_t> object) {
+  if (recorder == nullptr || !object) return;
+  recorder->add_event(kInsideEvent, felt_inside_text(scene, *object), Recorder::EventTime::kStart);
+}
+
 std::optional<std::size_t> object_around(const Scene& scene, const TickRecord& first) {
   if ((first.faults & kFaultsWithoutForce) != 0) return std::nullopt;
   return enclosing_object(scene, vec3(first.goal_scene_m));

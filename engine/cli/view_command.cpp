@@ -26,6 +26,7 @@
 #include "engine/cli/run_on_device.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/devices/device_options.h"
@@ -57,10 +58,6 @@ std::string address_of(const ViewRequest& request, const ViewServer& server) {
   if (host == "0.0.0.0" || host == "::") host = "localhost";
   if (host.find(':') != std::string::npos) host = "[" + host + "]";
   return "http://" + host + ":" + std::to_string(server.port()) + "/#" + server.token().text();
-}
-
-bool is_loopback(const std::string& address) {
-  return address == "127.0.0.1" || address == "::1";
 }
 
 Error no_page() {
@@ -134,6 +131,7 @@ std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
     error.element = "--" + error.element;
     return error;
   }
+  if (const auto problem = ViewServer::files_problem()) warn(*problem);
   if (!is_loopback(request.server.address)) {
     warn(
         "--listen: others on the network can reach this server; its address and token are not "
@@ -195,7 +193,12 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
       make_recorder(request.run.record, request.run.scene, prepared->scene, prepared->setup, false);
   if (!recorder) return refuse(recorder.error());
   ViewSettings settings = view_settings_of(request, is_given);
-  if (Recorder* const r = recorder->get()) settings.recording = {r, [r] { return r->failure(); }};
+  if (Recorder* const r = recorder->get()) {
+    settings.recording = {r, [r] { return r->failure(); },
+                          [r, &scene = prepared->scene](const StartInside::Status& status) {
+                            record_start_inside(r, scene, status);
+                          }};
+  }
   const auto session = ViewSession::create(prepared->scene, prepared->setup, settings, device);
   if (!session) return refuse(with_path(session.error(), request.run.scene.path));
   const auto refusal = serve(request, *page, load_warning_lines(prepared->scene), **session);

@@ -20,6 +20,16 @@ constexpr std::uint64_t kFreeInputBytes = std::uint64_t{64} << 20;
 
 }  // namespace
 
+BlockWalk::BlockWalk(const RecordingReader& reader) : reader_(reader) {
+  const auto last = reader.last_block();
+  if (last && *last) last_block_ = **last;
+}
+
+double BlockWalk::share() const {
+  if (last_block_ <= 0) return 0.0;
+  return std::clamp(static_cast<double>(search_from_) / static_cast<double>(last_block_), 0.0, 1.0);
+}
+
 WalkStep BlockWalk::broken(std::int64_t first_tick, Error error) const {
   error.path = reader_.path();
   error.element = "block at tick " + std::to_string(first_tick) +

@@ -32,11 +32,13 @@ struct WalkStep {
 // must outlive the walk.
 class BlockWalk {
  public:
-  explicit BlockWalk(const RecordingReader& reader) : reader_(reader) {}
+  explicit BlockWalk(const RecordingReader& reader);
 
   WalkStep next();
   // After the last good block.
   std::int64_t next_tick() const { return next_tick_; }
+  // The share of the recording before the place of the last step, 0 to 1.
+  double share() const;
 
  private:
   WalkStep broken(std::int64_t first_tick, Error error) const;
@@ -47,6 +49,7 @@ class BlockWalk {
   BlockDecoder decoder_;
   std::int64_t search_from_ = std::numeric_limits<std::int64_t>::min();
   std::int64_t next_tick_ = 0;
+  std::int64_t last_block_ = 0;  // its first tick; 0 if it is unknown
   std::uint64_t frame_bytes_ = 0;
   std::uint64_t input_bytes_ = 0;
   bool has_ended_ = false;

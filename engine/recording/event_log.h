@@ -13,7 +13,7 @@ namespace palpate {
 struct EventRow {
   std::uint64_t tick = 0;
   double time_s = 0.0;
-  std::string kind;  // "trip", "late", "drop" or "more"
+  std::string kind;  // "trip", "late", "drop", "more" or "inside"
   std::string detail;
 };
 

@@ -65,10 +65,16 @@ struct Recorder::State {
   std::vector<EventRow> event_rows;
   std::optional<RecordingMeta> facts;
   std::uint64_t next_tick = 0;  // after the last tick taken
+  double newest_time_s = 0.0;   // of the last tick taken
   std::optional<Error> error;
   bool has_ended = false;  // the file has its ending
 
-  // Of both threads: the facts of the session's start, and the request to end.
+  // Of several threads: the facts of the session's start, events, and the request to end.
+  struct OwnersEvent {
+    EventRow row;
+    EventTime time;
+  };
+  std::vector<OwnersEvent> owners_events;
   std::mutex mutex;
   std::condition_variable wakes;
   std::optional<RecordingMeta> start;
@@ -82,6 +88,8 @@ struct Recorder::State {
   void close_block();
   void write_block();
   void write_events(bool is_last);
+  void write_event(EventRow row);
+  void write_owners_events();
   std::optional<Error> add_event(const EventRow& row);
   void write_start();
   void take_gap();
@@ -165,6 +173,7 @@ void Recorder::State::take_ticks(std::chrono::steady_clock::time_point until) {
     if (inputs.size() + ring.front_input_bytes() > kMostBlockInputBytes) close_block();
     rows.push_back(front);
     next_tick = front.record.tick + 1;
+    newest_time_s = front.record.time_s;
     ring.take(static_cast<std::uint32_t>(rows.size() - 1), inputs);
     if (waiting > 0) --waiting;
     if (rows.size() < kMostBlockTicks) continue;
@@ -183,9 +192,27 @@ void Recorder::State::write_events(bool is_last) {
   while (events.take(event)) log.add(event);
   log.add_lost(events.take_lost());
   if (is_last) log.finish();
-  for (EventRow& row : log.take_rows()) {
-    if (!error) fail(add_event(row));
-    event_rows.push_back(std::move(row));
+  for (EventRow& row : log.take_rows()) write_event(std::move(row));
+  write_owners_events();
+}
+
+void Recorder::State::write_event(EventRow row) {
+  if (!error) fail(add_event(row));
+  event_rows.push_back(std::move(row));
+}
+
+void Recorder::State::write_owners_events() {
+  std::vector<OwnersEvent> taken;
+  {
+    const std::lock_guard lock(mutex);
+    taken.swap(owners_events);
+  }
+  for (OwnersEvent& event : taken) {
+    if (event.time == EventTime::kNow) {
+      event.row.tick = next_tick - std::min<std::uint64_t>(next_tick, 1);
+      event.row.time_s = newest_time_s;
+    }
+    write_event(std::move(event.row));
   }
 }
 
@@ -344,6 +371,11 @@ void Recorder::write() {
     if (state.file.is_full()) state.end_on_full_disk();
     return;
   }
+}
+
+void Recorder::add_event(const std::string& kind, const std::string& detail, EventTime time) {
+  const std::lock_guard lock(state_->mutex);
+  state_->owners_events.push_back({{0, 0.0, kind, detail}, time});
 }
 
 RecordingResult Recorder::finish(const std::string& why) {

@@ -67,6 +67,11 @@ class Recorder final : public TickSink {
   void on_trip(const GovernorTrip& trip) noexcept override;
   void on_late(LateCause cause, const TickCost& cost) noexcept override;
 
+  // Adds a row to the table of events, of the first tick or of the newest one. Any thread but the
+  // haptic one may call it before finish(). Throws std::bad_alloc.
+  enum class EventTime : std::uint8_t { kStart, kNow };
+  void add_event(const std::string& kind, const std::string& detail, EventTime time);
+
   // Writes all that was handed over, and the ending, unless the disk was full before. why: "end",
   // or what ended the session. Call it once, after the last tick, on the owner's thread.
   RecordingResult finish(const std::string& why);

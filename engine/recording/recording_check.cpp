@@ -31,7 +31,8 @@ void add_problem(const Error& error, RecordingCheck& check) {
 // Visits all blocks. visit: called with each good block; its error ends the walk.
 using Visit = std::function<std::optional<Error>(const WalkStep&)>;
 
-Result<RecordingCheck> walk_blocks(const RecordingReader& reader, const Visit& visit) {
+Result<RecordingCheck> walk_blocks(const RecordingReader& reader, const RecordingProgress& progress,
+                                   const Visit& visit) {
   RecordingCheck check;
   BlockWalk walk(reader);
   for (WalkStep step = walk.next(); step.kind != WalkStep::Kind::kEnd; step = walk.next()) {
@@ -44,6 +45,7 @@ Result<RecordingCheck> walk_blocks(const RecordingReader& reader, const Visit& v
     check.ticks += step.content.rows.size();
     check.inputs += step.content.inputs.size();
     if (auto error = visit(step)) return *error;
+    if (progress) progress(walk.share());
   }
   auto ending = reader.ending();
   if (!ending) {
@@ -82,16 +84,18 @@ Result<RecordingCheck> walk_blocks(const RecordingReader& reader, const Visit& v
 
 }  // namespace
 
-Result<RecordingCheck> check_recording(const RecordingReader& reader) {
-  return walk_blocks(reader, [](const WalkStep&) { return std::nullopt; });
+Result<RecordingCheck> check_recording(const RecordingReader& reader,
+                                       const RecordingProgress& progress) {
+  return walk_blocks(reader, progress, [](const WalkStep&) { return std::nullopt; });
 }
 
-Result<RecordingCheck> repair_recording(const RecordingReader& reader, const std::string& to) {
+Result<RecordingCheck> repair_recording(const RecordingReader& reader, const std::string& to,
+                                        const RecordingProgress& progress) {
   auto file = RecordingFile::create(to, reader.readable_meta(), nullptr, kCopyLogPages);
   if (!file) return file.error();
   if (auto error = file->begin()) return *error;
   std::uint64_t blocks = 0;
-  auto check = walk_blocks(reader, [&](const WalkStep& step) -> std::optional<Error> {
+  auto check = walk_blocks(reader, progress, [&](const WalkStep& step) -> std::optional<Error> {
     if (++blocks % kBlocksPerTransaction == 0) {
       if (auto error = file->commit()) return error;
       if (auto error = file->begin()) return error;
@@ -123,10 +127,11 @@ Result<RecordingCheck> repair_recording(const RecordingReader& reader, const std
   return check;
 }
 
-Result<RecordingCheck> export_recording(const RecordingReader& reader, const std::string& to) {
+Result<RecordingCheck> export_recording(const RecordingReader& reader, const std::string& to,
+                                        const RecordingProgress& progress) {
   auto trace = TraceWriter::create(to);
   if (!trace) return trace.error();
-  auto check = walk_blocks(reader, [&](const WalkStep& step) -> std::optional<Error> {
+  auto check = walk_blocks(reader, progress, [&](const WalkStep& step) -> std::optional<Error> {
     for (const RecordedTick& row : step.content.rows) trace->add(row.record);
     return std::nullopt;
   });

@@ -3,6 +3,7 @@
 // What is in a recording, whether it is whole, and copies of its parts.
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,16 +35,22 @@ struct RecordingCheck {
   bool is_whole() const { return missing == 0 && problem_count == 0; }
 };
 
+// Called now and then with the share of the recording that is done; may be empty.
+using RecordingProgress = std::function<void(double)>;
+
 // Proves every checksum.
-Result<RecordingCheck> check_recording(const RecordingReader& reader);
+Result<RecordingCheck> check_recording(const RecordingReader& reader,
+                                       const RecordingProgress& progress = {});
 
 // Copies each block that can be read and whose checksums hold into a new file, and as much of the
 // settings and events as can be read. Returns the check of the original. An error if the new file
 // exists or cannot be written.
-Result<RecordingCheck> repair_recording(const RecordingReader& reader, const std::string& to);
+Result<RecordingCheck> repair_recording(const RecordingReader& reader, const std::string& to,
+                                        const RecordingProgress& progress = {});
 
 // Writes the trace that `run` would have written (TraceWriter). The ticks of broken blocks are
 // missing. Returns the check.
-Result<RecordingCheck> export_recording(const RecordingReader& reader, const std::string& to);
+Result<RecordingCheck> export_recording(const RecordingReader& reader, const std::string& to,
+                                        const RecordingProgress& progress = {});
 
 }  // namespace palpate

@@ -25,6 +25,9 @@ constexpr std::uint64_t kPagesPerTransaction = 12;
 // and one page.
 constexpr std::uint64_t kKeptPages = 8;
 
+// Of a recording without ticks, and of its log.
+constexpr std::uint64_t kPagesOfEmpty = 16;
+
 // Of a short row, beside its texts.
 constexpr std::uint64_t kBytesOfNumbers = 32;
 
@@ -62,6 +65,11 @@ void remove_all(const std::string& path) {
   for (const char* ending : {"-wal", "-journal", ""}) ::unlink((path + ending).c_str());
 }
 
+// A limit of the size of files or of a user's space acts like a full disk.
+bool is_of_full_disk(int reason) {
+  return reason == ENOSPC || reason == EFBIG || reason == EDQUOT;
+}
+
 bool bind_value(sqlite3_stmt* statement, int index, const MetaValue& value) {
   if (const auto* integer = std::get_if<std::int64_t>(&value)) {
     return sqlite3_bind_int64(statement, index, *integer) == SQLITE_OK;
@@ -93,11 +101,19 @@ struct RecordingFile::State {
   std::uint64_t row_bytes = 0;    // of its short rows
   bool is_full = false;
 
+  // reason: the system's, or one that says nothing of a full disk.
+  Error full_error(int reason) const {
+    std::string problem = "cannot be written: the disk is full";
+    if (is_of_full_disk(reason)) problem += std::string(": ") + std::strerror(reason);
+    return {ErrorCode::kFileUnwritable, path, "", std::move(problem),
+            "free disk space, or record on another disk"};
+  }
   Error error() {
     const int code = sqlite3_errcode(database.get());
     const int system = sqlite3_system_errno(database.get());
-    is_full = (code & 0xff) == SQLITE_FULL ||
-              (code == SQLITE_IOERR_WRITE && (system == EFBIG || system == EDQUOT));
+    is_full =
+        (code & 0xff) == SQLITE_FULL || ((code & 0xff) == SQLITE_IOERR && is_of_full_disk(system));
+    if (is_full) return full_error(system);
     return {ErrorCode::kFileUnwritable, path, "",
             "cannot be written: " + sqlite_problem(database.get()), ""};
   }
@@ -128,11 +144,10 @@ struct RecordingFile::State {
     const std::uint64_t pages = frames + dirty_pages + pages_of(row_bytes) + kept;
     const int failed = log.reserve(kLogHeaderBytes + pages * kFrameBytes);
     if (failed == 0) return std::nullopt;
-    is_full = failed == ENOSPC || failed == EFBIG || failed == EDQUOT;
+    is_full = is_of_full_disk(failed);
+    if (is_full) return full_error(failed);
     return Error{ErrorCode::kFileUnwritable, path, "",
-                 std::string("cannot be written: ") + (is_full ? "the disk is full: " : "") +
-                     std::strerror(failed),
-                 ""};
+                 std::string("cannot be written: ") + std::strerror(failed), ""};
   }
   std::optional<Error> commit(std::uint64_t kept) {
     if (auto failed = check_place()) return failed;
@@ -148,9 +163,19 @@ struct RecordingFile::State {
                                                &in_log, &copied);
     if (code == SQLITE_OK && in_log == copied) frames = 0;
   }
+  std::optional<Error> check_space() const;
   std::optional<Error> open(const char* file_system);
   std::optional<Error> make_tables();
 };
+
+// Before SQLite writes: its errors do not always have the system's reason.
+std::optional<Error> RecordingFile::State::check_space() const {
+  LogSpace space(path);
+  const int failed = space.reserve(kPagesOfEmpty * kPageBytes);
+  space.cut(0);
+  if (!is_of_full_disk(failed)) return std::nullopt;
+  return full_error(failed);
+}
 
 std::optional<Error> RecordingFile::State::open(const char* file_system) {
   struct stat created {};
@@ -201,7 +226,8 @@ Result<RecordingFile> RecordingFile::create(const std::string& path, const Recor
   if (auto error = create_empty(path)) return *error;
   RecordingFile file(std::make_unique<State>());
   file.state_->path = path;
-  auto error = file.state_->open(file_system);
+  auto error = file.state_->check_space();
+  if (!error) error = file.state_->open(file_system);
   file.state_->log_pages = log_pages;
   if (!error) {
     file.state_->log = LogSpace(path + "-wal");

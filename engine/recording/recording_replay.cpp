@@ -248,7 +248,7 @@ class Replayer {
       }
       if (auto error = run_block(step.content)) return error;
       if (outcome_.difference) break;
-      if (options_.progress) options_.progress(outcome_.proved);
+      if (options_.progress) options_.progress(walk.share());
     }
     session_.stop();
     return std::nullopt;

@@ -53,7 +53,8 @@ struct ReplayOptions {
   std::optional<ReplayChange> change = {};
   // Leaves out the inputs of this kind, for tests.
   std::optional<InputKind> left_out = {};
-  std::function<void(std::uint64_t)> progress = {};  // with the number of ticks; may be empty
+  // Called after each block with the share of the recording that is done; may be empty.
+  std::function<void(double)> progress = {};
 };
 
 // Runs the samples, times and inputs of a recording through the road of a session, with the

@@ -29,26 +29,14 @@ class FolderLock {
   ~FolderLock() {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
-  FolderLock(FolderLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-  FolderLock& operator=(FolderLock&& other) noexcept {
-    std::swap(descriptor_, other.descriptor_);
-    return *this;
-  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
 
   bool is_open() const { return descriptor_ >= 0; }
 
   Outcome lock() const {
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return Outcome::kLocked;
     return errno == EWOULDBLOCK ? Outcome::kHeldByAnother : Outcome::kNotSupported;
-  }
-
-  // Whether the folder still has its name: another command may have removed it before it was
-  // locked.
-  bool is_at(const std::filesystem::path& folder) const {
-    struct stat here = {};
-    struct stat there = {};
-    return ::fstat(descriptor_, &here) == 0 && ::lstat(folder.c_str(), &there) == 0 &&
-           here.st_dev == there.st_dev && here.st_ino == there.st_ino;
   }
 
  private:
@@ -139,7 +127,7 @@ struct OutputFiles::State {
   OutputLock use;                      // keeps other commands out of the folder
   std::vector<fs::path> made_folders;  // outermost first
   fs::path hidden;                     // empty: not created yet, or removed
-  std::optional<FolderLock> lock;
+  OutputLock hidden_use;
   std::vector<fs::path> leftovers;  // hidden folders of commands that were killed
 
   State(std::string folder_given, std::vector<std::string> names_given)
@@ -219,11 +207,10 @@ std::optional<Error> OutputFiles::State::make_hidden_folder() {
     if (!::mkdtemp(pattern.data())) {
       return folder_error(folder, "cannot be written to: " + text_of(errno));
     }
-    FolderLock fresh(pattern);
-    const bool is_taken = fresh.is_open() && fresh.lock() == FolderLock::Outcome::kHeldByAnother;
-    if (is_taken || !fresh.is_open() || !fresh.is_at(pattern)) continue;
+    auto fresh = OutputLock::take(pattern, FolderUse::kAlone);
+    if (!fresh || !fresh->is_at(pattern)) continue;  // another command removes it as a leftover
     hidden = pattern;
-    lock.emplace(std::move(fresh));
+    hidden_use = std::move(*fresh);
     std::error_code failed;
     if (fs::create_directory(hidden / kOld, failed)) return std::nullopt;
     return folder_error(folder, "cannot be written to: " + failed.message());
@@ -274,7 +261,7 @@ void OutputFiles::pause() {
   std::error_code ignored;
   fs::remove_all(state_->hidden, ignored);
   state_->hidden.clear();
-  state_->lock.reset();
+  state_->hidden_use = OutputLock();
 }
 
 std::optional<Error> OutputFiles::resume() {

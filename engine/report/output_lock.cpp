@@ -2,9 +2,9 @@
 
 #include <cerrno>
 #include <fcntl.h>
+#include <filesystem>
 #include <map>
 #include <mutex>
-#include <set>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
@@ -55,11 +55,14 @@ namespace {
 struct ProcessLocks {
   std::mutex mutex;
   std::map<FolderId, std::weak_ptr<void>> held;
-  std::set<std::string> unlocked;
+  std::map<std::filesystem::path, std::string> unlocked;  // with their lines
 
-  void add_unlocked(const std::string& folder, int reason) {
-    unlocked.insert(folder + " cannot be locked (" + reason_text(reason) +
-                    "); make sure that no other command writes there");
+  void add_unlocked(const std::filesystem::path& folder, int reason) {
+    for (auto around = folder; around.has_relative_path(); around = around.parent_path()) {
+      if (unlocked.contains(around)) return;
+    }
+    unlocked[folder] = folder.string() + " cannot be locked (" + reason_text(reason) +
+                       "); make sure that no other command writes there";
   }
 };
 
@@ -110,7 +113,9 @@ bool OutputLock::is_at(const std::string& folder) const {
 std::vector<std::string> unlocked_folders() {
   ProcessLocks& locks = process_locks();
   const std::lock_guard guard(locks.mutex);
-  return {locks.unlocked.begin(), locks.unlocked.end()};
+  std::vector<std::string> lines;
+  for (const auto& [folder, line] : locks.unlocked) lines.push_back(line);
+  return lines;
 }
 
 }  // namespace palpate

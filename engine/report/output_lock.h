@@ -40,7 +40,7 @@ class OutputLock {
 };
 
 // One line for each folder whose lock this process could not take because its file system has no
-// locks: nothing keeps a second command out of it.
+// locks: nothing keeps a second command out of it. A folder inside such a folder has no line.
 std::vector<std::string> unlocked_folders();
 
 }  // namespace palpate

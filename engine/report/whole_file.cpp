@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/report/output_lock.h"
 #include "engine/report/write_error.h"
 #include "geometry/base/file_roles.h"
 
@@ -94,6 +95,7 @@ class WholeFile::Output {
     const int reason = find_target();
     if (reason != 0) return write_error(path_, reason);
     if (descriptor_ >= 0) return std::nullopt;  // not a regular file
+    if (auto error = lock_folder()) return error;
     if (auto error = remove_leftovers(target_path_)) return error;
     if (const int failure = open_part()) return write_error(path_, failure);
     return std::nullopt;
@@ -145,6 +147,21 @@ class WholeFile::Output {
     return 0;
   }
 
+  std::optional<Error> lock_folder() {
+    const fs::path parent = fs::path(target_path_).parent_path();
+    const std::string folder = parent.empty() ? "." : parent.string();
+    std::error_code failed;
+    if (!fs::is_directory(folder, failed)) return std::nullopt;  // open_part() fails
+    auto taken = OutputLock::take(folder, FolderUse::kShared);
+    if (!taken) {
+      Error error = taken.error();
+      error.element.clear();  // the path is not the option for a folder
+      return error;
+    }
+    folder_ = std::move(*taken);
+    return std::nullopt;
+  }
+
   int open_part() {
     for (int attempt = 0; attempt < kMaxNameAttempts; ++attempt) {
       std::string name = target_path_ + "." + std::to_string(::getpid()) + "-" +
@@ -186,6 +203,7 @@ class WholeFile::Output {
   std::string path_;         // as the caller named it
   std::string target_path_;  // final path of the file
   std::string part_path_;    // temporary path; empty: written directly
+  OutputLock folder_;        // of the final path
   int descriptor_ = -1;
   int failure_ = 0;  // the first errno of a write
   std::string buffer_;

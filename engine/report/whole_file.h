@@ -16,10 +16,12 @@ namespace palpate {
 // ends with ".part"; the destructor removes this file. If a killed process has left a temporary
 // file, the next create() for the same path removes it. If the path does not denote a regular file
 // but, for example, a pipe or a terminal, the text is written directly to this pipe or terminal.
+// As long as an object lives, commands that want the folder of the file for themselves are kept out
+// of it (OutputLock); a file that is not in a folder of results shares its folder with others.
 // Not for the haptic thread, because it does I/O. Only one thread may use an object.
 class WholeFile {
  public:
-  // Returns an error if the file cannot be created.
+  // Returns an error if the file cannot be created, or if another process has its folder alone.
   static Result<WholeFile> create(const std::string& path);
 
   WholeFile(WholeFile&&) noexcept;

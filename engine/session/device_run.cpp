@@ -65,33 +65,14 @@ bool has_tripped(const HapticSession& session) {
   return session.latest(status) && status.trips > 0;
 }
 
-// Reports each change of the status.
-class StartInsideReport {
- public:
-  StartInsideReport(const StartInside& start, const DeviceRunSettings& settings)
-      : start_(start), settings_(settings) {}
-  void look() {
-    const StartInside::Status status = start_.status();
-    const bool is_news = status.phase != last_.phase || status.object != last_.object ||
-                         status.was_inside != last_.was_inside;
-    if (is_news && settings_.on_start_inside) settings_.on_start_inside(status);
-    last_ = status;
-  }
-
- private:
-  const StartInside& start_;
-  const DeviceRunSettings& settings_;
-  StartInside::Status last_;
-};
-
 // Returns when the run must end.
 void wait_for_end(const GuardedRun& run, const HapticSession& session, std::uint64_t ticks,
                   const std::function<void(double)>& progress, const StopFlag* stop,
-                  StartInsideReport& report) {
+                  const std::function<void()>& look) {
   const auto is_stopped = [stop] { return stop != nullptr && stop->requested(); };
   while (run.thread().running() && !is_stopped() && !has_tripped(session)) {
     progress(static_cast<double>(run.thread().ticks()) / static_cast<double>(ticks));
-    report.look();
+    look();
     std::this_thread::sleep_for(kLookEvery);
   }
 }
@@ -121,10 +102,14 @@ Result<DeviceRun> run_device(const Scene& scene, const RunSetup& setup, Guardabl
                   .has_guard = settings.has_guard,
                   .without_realtime = settings.without_realtime});
   if (auto error = run.start()) return *error;
-  StartInsideReport report(start_inside, settings);
-  wait_for_end(run, session, ticks, progress, stop, report);
+  StartInsideNews news(start_inside);
+  const auto look = [&] {
+    const auto status = news.look();
+    if (status && settings.on_start_inside) settings.on_start_inside(*status);
+  };
+  wait_for_end(run, session, ticks, progress, stop, look);
   run.stop();
-  report.look();
+  look();
   DeviceRun done;
   done.start_inside = start_inside.status();
   recorder.move_to(done);

@@ -30,11 +30,14 @@ class Keeper final : public TickObserver {
   SummaryAccumulator* summary_;
 };
 
+constexpr std::size_t kTicksBetweenProgress = 1024;
+
 // The same as the public replay(), but throws if an allocation fails. lengths_s: null if every tick
 // has the length setup.dt_s.
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
                             const std::vector<Vec3>& path_m, const std::vector<double>* lengths_s,
-                            int passes, MemoryLedger& ledger) {
+                            int passes, const std::function<void(double)>& progress,
+                            MemoryLedger& ledger) {
   if (auto error = check_setup(scene, setup)) return *error;
   ledger.begin("recording the ticks");
   const std::uint64_t ticks = path_m.size();
@@ -55,6 +58,10 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
         {.changes = {&*mover}, .observers = {&keeper}, .max_force_N = setup.max_force_N});
     session.start();
     for (std::size_t n = 0; n < path_m.size(); ++n) {
+      if (progress && n % kTicksBetweenProgress == 0) {
+        const double of_pass = static_cast<double>(n) / static_cast<double>(path_m.size());
+        progress((pass + of_pass) / passes);
+      }
       session.tick(lengths_s ? (*lengths_s)[n] : setup.dt_s);
     }
     if (pass == 0) {
@@ -70,18 +77,19 @@ Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
 }  // namespace
 
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
-                            const std::vector<Vec3>& path_m, int passes) {
+                            const std::vector<Vec3>& path_m, int passes,
+                            const std::function<void(double)>& progress) {
   MemoryLedger ledger;
-  return or_out_of_memory(ledger,
-                          [&] { return replay(scene, setup, path_m, nullptr, passes, ledger); });
+  return or_out_of_memory(
+      ledger, [&] { return replay(scene, setup, path_m, nullptr, passes, progress, ledger); });
 }
 
 Result<ReplayResult> replay(const Scene& scene, const RunSetup& setup,
                             const std::vector<Vec3>& path_m, const std::vector<double>& lengths_s,
-                            int passes) {
+                            int passes, const std::function<void(double)>& progress) {
   MemoryLedger ledger;
-  return or_out_of_memory(ledger,
-                          [&] { return replay(scene, setup, path_m, &lengths_s, passes, ledger); });
+  return or_out_of_memory(
+      ledger, [&] { return replay(scene, setup, path_m, &lengths_s, passes, progress, ledger); });
 }
 
 }  // namespace palpate

@@ -69,6 +69,15 @@ void StartInside::end(Phase phase, LoopChanges loop) noexcept {
   publish(phase);
 }
 
+std::optional<StartInside::Status> StartInsideNews::look() {
+  const StartInside::Status status = start_.status();
+  const bool is_news = status.phase != last_.phase || status.object != last_.object ||
+                       status.was_inside != last_.was_inside;
+  last_ = status;
+  if (!is_news) return std::nullopt;
+  return status;
+}
+
 std::string start_inside_text(const Scene& scene, std::size_t object) {
   return "the hand begins inside the closed surface of " + object_text(scene, object);
 }

@@ -61,6 +61,18 @@ class StartInside final : public BeforeTick {
   std::atomic<std::uint64_t> published_;  // the phase, then the object
 };
 
+// Tells each change of the status once. One thread may use it; the StartInside must outlive it.
+class StartInsideNews {
+ public:
+  explicit StartInsideNews(const StartInside& start) : start_(start) {}
+  // The status if it is news.
+  std::optional<StartInside::Status> look();
+
+ private:
+  const StartInside& start_;
+  StartInside::Status last_;
+};
+
 // That the hand begins inside an object.
 std::string start_inside_text(const Scene& scene, std::size_t object);
 // The same of a hand without a person, whose force nothing holds back.

@@ -156,10 +156,17 @@ Result<std::size_t> TraceWriter::finish() {
   return count_;
 }
 
-std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records) {
+std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
+                                 const std::function<void(double)>& progress) {
+  constexpr std::size_t kRecordsBetweenProgress = 1024;
   Result<TraceWriter> writer = TraceWriter::create(path);
   if (!writer) return writer.error();
-  for (const TickRecord& record : records) writer->add(record);
+  for (std::size_t n = 0; n < records.size(); ++n) {
+    if (progress && n % kRecordsBetweenProgress == 0) {
+      progress(static_cast<double>(n) / static_cast<double>(records.size()));
+    }
+    writer->add(records[n]);
+  }
   const Result<std::size_t> written = writer->finish();
   if (!written) return written.error();
   return std::nullopt;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -45,8 +46,10 @@ class TraceWriter {
   std::size_t count_ = 0;
 };
 
-// Writes a complete trace of all records.
-std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records);
+// Writes a complete trace of all records. progress: called now and then with the share that is
+// done; may be empty.
+std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
+                                 const std::function<void(double)>& progress = {});
 
 // The names of the faults of a tick, joined by "+"; empty if there are none. A fault of a governor
 // is "governor_" followed by its bit number.

@@ -12,6 +12,7 @@
 #include <thread>
 #include <unistd.h>
 
+#include "engine/session/closed_surfaces.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/simulation/hand_session.h"
 #include "engine/simulation/planned_hand.h"
@@ -119,6 +120,7 @@ Result<SoakRun> soak(const Scene& scene, const RunSetup& setup, const SoakSettin
   if (!session) return session.error();
   const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
   SoakRun run;
+  run.starts_inside = enclosing_object(scene, hand->start_scene_m);
   if (settings.keeps_cpu_times) run.cpu_ns.resize(std::min<std::uint64_t>(ticks, kMostKeptTimes));
   HapticThread thread((*session)->session(), {1.0 / setup.dt_s, ticks, settings.cpu, run.cpu_ns});
   run.realtime = thread.start();

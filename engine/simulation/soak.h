@@ -2,6 +2,7 @@
 
 // A long run of the haptic thread with a simulated hand, to find late ticks and memory that grows.
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -35,7 +36,8 @@ struct ProcessMemory {
 inline constexpr std::size_t kMostKeptTimes = std::size_t{1} << 26;
 
 struct SoakRun {
-  bool interrupted = false;  // by a StopFlag
+  bool interrupted = false;                  // by a StopFlag
+  std::optional<std::size_t> starts_inside;  // the object that encloses the hand at the start
   RealtimeStatus realtime;
   TickTimes tick_times;
   RunSummary summary;                  // without step_ns

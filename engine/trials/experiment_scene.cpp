@@ -7,12 +7,14 @@
 #include <utility>
 
 #include "engine/scene/load_warnings.h"
+#include "engine/session/start_inside.h"
 #include "engine/simulation/placed_bounds.h"
 #include "engine/simulation/plane_height.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/workspace.h"
 #include "engine/trials/as_printed.h"
 #include "engine/trials/key_hash.h"
+#include "engine/trials/operator_hand.h"
 #include "engine/trials/plan_device.h"
 #include "io/gltf/file.h"
 #include "io/gltf/limits.h"
@@ -167,6 +169,18 @@ Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const 
                          geometry_hash};
 }
 
+// The object that encloses the hand of the first person where a trial begins; no value if none
+// does.
+std::optional<std::size_t> object_around_start(const ExperimentPlan& plan,
+                                               const ExperimentScene& scene) {
+  if (scene.way.path.points.size() < 2) return std::nullopt;  // of a stand-in for a trial
+  const OperatorParameters person = draw_person(plan.person, plan.seed, 1);
+  const Following following = plan.followings.empty() ? Following{} : plan.followings.front();
+  const OperatorHand hand(scene.way, person, following, plan.trial,
+                          scene.setup.haptics.god_object.radius_m);
+  return enclosing_object(scene.scene, hand.start_scene_m());
+}
+
 }  // namespace
 
 RunSetup turned_setup(RunSetup setup, double start_orientation_deg) {
@@ -208,6 +222,9 @@ std::vector<std::string> scene_warnings(const ExperimentPlan& plan,
     for (std::string& line : load_warnings(scenes[i].scene)) {
       const Error named = with_plan_keys(Error{ErrorCode::kInvalidContent, "", "", line, ""});
       warnings.push_back(plan.objects[i].path + ": " + named.problem);
+    }
+    if (const auto object = object_around_start(plan, scenes[i])) {
+      warnings.push_back(plan.objects[i].path + ": " + felt_inside_text(scenes[i].scene, *object));
     }
   }
   return warnings;

@@ -47,8 +47,9 @@ std::size_t scene_index(const ExperimentPlan& plan, const PlanVariant& variant, 
 Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan& plan,
                                                             const TrialFunctions& functions);
 
-// The load_warnings() of the objects, each after the file of the object and with the keys of the
-// plan in place of fields. scenes: those of load_experiment_scenes().
+// The load_warnings() of the objects, and a line where the hand begins inside one of them, each
+// after the file of the object and with the keys of the plan in place of fields. scenes: those of
+// load_experiment_scenes().
 std::vector<std::string> scene_warnings(const ExperimentPlan& plan,
                                         const std::vector<ExperimentScene>& scenes);
 

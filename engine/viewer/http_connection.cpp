@@ -86,7 +86,11 @@ void HttpConnection::on_read(beast::error_code error) {
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
     return refuse(431, "the header is longer than 8 KiB");
   }
-  if (error == http::error::body_limit) return refuse(413, "no request has a body");
+  if (error == http::error::body_limit) {  // its header is whole
+    const HttpVerdict verdict = host_.judge(head_of(parser_.get()));
+    if (verdict.status != 200) return refuse(verdict.status, verdict.reason);
+    return refuse(413, "no request has a body");
+  }
   if (error && error.category() == make_error_code(http::error::bad_method).category() &&
       error != http::error::end_of_stream && error != http::error::partial_message) {
     return refuse(400, "this is not HTTP");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/asio/ip/address.hpp>
 
 namespace palpate {
 namespace {
@@ -16,15 +17,17 @@ constexpr std::array<std::pair<std::string_view, Resource>, 7> kTargets = {{
     {"/live", Resource::kLive},
 }};
 
-constexpr std::array<std::string_view, 3> kLoopback = {"localhost", "127.0.0.1", "[::1]"};
-
 constexpr std::string_view kBearer = "Bearer ";
 
 enum class HostKind : std::uint8_t { kForeign, kOwn, kOfProxy };
 
+std::string_view without_brackets(std::string_view host) {
+  return host.starts_with('[') ? host.substr(1, host.size() - 2) : host;
+}
+
 HostKind kind_of(const WebHost& host, const AllowedNames& allowed) {
   const auto is_name = [&](std::string_view name) { return host_name(name) == host.name; };
-  if (std::any_of(kLoopback.begin(), kLoopback.end(), is_name) ||
+  if (host.name == "localhost" || is_loopback(without_brackets(host.name)) ||
       std::any_of(allowed.hosts.begin(), allowed.hosts.end(), is_name)) {
     return HostKind::kOwn;
   }
@@ -53,6 +56,16 @@ bool has_token(const HttpHead& head, const Token& token) {
 
 }  // namespace
 
+bool is_loopback(std::string_view address) {
+  namespace ip = boost::asio::ip;
+  boost::system::error_code error;
+  const auto parsed = ip::make_address(std::string(address), error);
+  if (error) return false;
+  const bool is_mapped = parsed.is_v6() && parsed.to_v6().is_v4_mapped();
+  return is_mapped ? ip::make_address_v4(ip::v4_mapped, parsed.to_v6()).is_loopback()
+                   : parsed.is_loopback();
+}
+
 std::optional<std::string> host_name(std::string_view host) {
   auto parsed = parse_host(host);
   if (!parsed) return std::nullopt;
@@ -68,8 +81,9 @@ HttpVerdict judge(const HttpHead& head, const Token& token, const AllowedNames& 
   if (kind == HostKind::kForeign) {
     return refused(403, "the Host is not a loopback name (--allow-host permits others)");
   }
+  const std::string_view target = head.target.starts_with("/?") ? "/" : head.target;
   const auto found = std::find_if(kTargets.begin(), kTargets.end(),
-                                  [&](const auto& t) { return t.first == head.target; });
+                                  [&](const auto& t) { return t.first == target; });
   const bool is_get = head.method == "GET" || (head.method == "HEAD" && !head.upgrades);
   const bool is_public = found != kTargets.end() && is_get && !head.upgrades &&
                          found->second != Resource::kLive && !is_secret(found->second);

@@ -14,7 +14,8 @@
 
 namespace palpate {
 
-// What the server has. No folder is served: a target is compared whole, with its query.
+// What the server has. No folder is served: a target is compared whole, with its query; only that
+// of the page may be any.
 enum class Resource : std::uint8_t { kPage, kScript, kStyle, kIcon, kScene, kFullScene, kLive };
 
 // True for what only a holder of the token receives.
@@ -34,7 +35,7 @@ struct HttpHead {
   bool is_same_origin = false;           // the browser says so: Sec-Fetch-Site
 };
 
-// Under which names a browser may reach the server, besides localhost, 127.0.0.1 and [::1].
+// Under which names a browser may reach the server, besides localhost and loopback addresses.
 struct AllowedNames {
   // Host names without a port (host_name), for a page of http:// and this Host.
   std::vector<std::string> hosts = {};
@@ -54,7 +55,8 @@ struct HttpVerdict {
 inline constexpr std::string_view kTokenHeader = "Palpate-Token";
 
 // Judges a request:
-// - The Host must be a loopback name (localhost, 127.0.0.1, [::1]), a name in allowed.hosts or the
+// - The Host must be a loopback name (localhost, [::1], 127.0.0.1 or another address of its net,
+//   which no foreign name can pretend to be), a name in allowed.hosts or the
 //   host of one of allowed.origins, with any port, because a forwarded port differs. This stops a
 //   foreign name that resolves to this machine. Otherwise 403.
 // - The Origin must be one of allowed.origins, or http:// and that Host unless only allowed.origins
@@ -66,6 +68,9 @@ inline constexpr std::string_view kTokenHeader = "Palpate-Token";
 // - The scene requires the token in kTokenHeader or as `Authorization: Bearer` (401). /live
 //   requires a handshake (426), which is a GET; its token is the first message.
 HttpVerdict judge(const HttpHead& head, const Token& token, const AllowedNames& allowed);
+
+// True for an IP address that only this machine reaches: 127.0.0.0/8 and ::1. [::1] is not one.
+bool is_loopback(std::string_view address);
 
 // The part of a Host header before the port, in lower case. No value: not a host.
 std::optional<std::string> host_name(std::string_view host);

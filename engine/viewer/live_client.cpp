@@ -36,6 +36,12 @@ void LiveClient::accept(const Request& request, Headers headers) {
       }));
   socket_.read_message_max(ServerLimits::kTokenBytes);
   socket_.auto_fragment(false);
+  // The client ends its half: until it ends the connection, too, async_read() tells nothing.
+  socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
+    if (kind != websocket::frame_type::close || is_closing()) return;
+    texts_.clear();
+    on_closing();
+  });
   begin_ = std::chrono::steady_clock::now();
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) return self->drop();
@@ -129,12 +135,17 @@ void LiveClient::close(std::uint16_t code, std::string reason) {
   std::replace_if(
       reason.begin(), reason.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   close_reason_ = websocket::close_reason(websocket::close_code(code), reason);
+  if (!is_open_) return drop();
+  on_closing();
+  write();
+}
+
+void LiveClient::on_closing() {
   is_closing_ = true;
   wants_state_ = wants_ticks_ = false;
   newest_text_.clear();
   closed_at_ = std::chrono::steady_clock::now();
-  if (!is_open_) return drop();
-  write();
+  host_.on_closing(*this);
 }
 
 void LiveClient::begin_close() {

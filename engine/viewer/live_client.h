@@ -31,6 +31,8 @@ class LiveHost {
   virtual void on_open(const std::shared_ptr<LiveClient>& client) = 0;
   // A whole message.
   virtual void on_message(LiveClient& client, std::string_view bytes, bool is_text) = 0;
+  // Called once, as soon as either side begins to close an open connection.
+  virtual void on_closing(LiveClient& client) = 0;
   // Called once, also for a connection that was never open.
   virtual void on_end(LiveClient& client) = 0;
   // Encode what the client lacks: false if it lacks nothing.
@@ -70,7 +72,7 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   void check(std::chrono::steady_clock::time_point now);
   // Ends the connection at once.
   void drop();
-  // True from the call of close() or drop() on.
+  // True from the call of close() or drop(), or the closing frame of the client, on.
   bool is_closing() const { return is_closing_ || has_ended_; }
 
   // The server's notes about this client.
@@ -89,6 +91,7 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   void write();
   void on_written(beast::error_code error);
   void begin_close();
+  void on_closing();
 
   beast::websocket::stream<Stream> socket_;
   LiveHost& host_;

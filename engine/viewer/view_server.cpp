@@ -34,9 +34,12 @@ constexpr auto kLookFor = std::chrono::milliseconds(20);
 constexpr auto kPatienceAtStop = std::chrono::milliseconds(700);
 constexpr std::size_t kKeptTicks = 16384;  // for clients that are late
 constexpr auto kRetryAccept = std::chrono::milliseconds(100);
-// While strangers crowd, each of them has its place for at least kStrangers times this long, and
-// they cost this thread little.
-constexpr auto kAcceptWhenFull = std::chrono::microseconds(250);
+// While strangers crowd, so many connections at most are accepted in this time, 16,000 a second: a
+// stranger has its place for at least kStrangers / 16,000 s, time for a request that follows its
+// connection, and a page waits for the crowd before it for less than a third of a second. The
+// crowd costs this thread a part of its time.
+constexpr auto kAcceptWhenFull = std::chrono::microseconds(500);
+constexpr int kAcceptedAtOnce = 8;
 // Files that the rest of the process may need while it serves, among them those of the pages.
 constexpr rlim_t kOtherFiles = 128;
 constexpr std::size_t kFewestStrangers = 8;
@@ -105,6 +108,7 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
 
   void on_open(const std::shared_ptr<LiveClient>& client) override;
   void on_message(LiveClient& client, std::string_view bytes, bool is_text) override;
+  void on_closing(LiveClient& client) override;
   void on_end(LiveClient& client) override;
   bool encode_state(LiveClient& client, std::string& out) override;
   bool encode_ticks(LiveClient& client, std::string& out) override;
@@ -116,7 +120,10 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
     std::string type;
   };
 
+  using Socket = net::basic_stream_socket<net::ip::tcp, Executor>;
+
   void accept();
+  void accept_waiting(Socket first);
   void accept_after(Clock::duration time);
   bool drop_stranger();
   void admit(LiveClient& client);
@@ -194,6 +201,7 @@ std::optional<Error> ViewServer::Network::listen() {
   // A server that has just ended leaves its port reserved for a minute otherwise.
   if (!error) acceptor_.set_option(net::socket_base::reuse_address(true), error);
   if (!error) acceptor_.bind(endpoint, error);
+  if (!error) acceptor_.non_blocking(true, error);  // of accept(): see accept_waiting()
   if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
   if (error) return listen_error(settings_, error);
   port_ = acceptor_.local_endpoint(error).port();
@@ -235,16 +243,30 @@ void ViewServer::Network::close_all() {
 }
 
 void ViewServer::Network::accept() {
-  acceptor_.async_accept([this](boost::system::error_code error,
-                                net::basic_stream_socket<net::ip::tcp, Executor> socket) {
+  acceptor_.async_accept([this](boost::system::error_code error, Socket socket) {
     if (is_stopping_) return;
-    // For example too many open files, which a stranger's end makes fewer.
     if (error) return accept_after(drop_stranger() ? kAcceptWhenFull : kRetryAccept);
-    const bool was_full = silent_.is_full();
-    std::make_shared<HttpConnection>(Stream(std::move(socket)), *this)->read();
-    if (was_full) return accept_after(kAcceptWhenFull);
-    accept();
+    accept_waiting(std::move(socket));
   });
+}
+
+// Takes those that wait behind the first one, too, up to kAcceptedAtOnce.
+void ViewServer::Network::accept_waiting(Socket first) {
+  bool was_full = false;
+  boost::system::error_code error;
+  Socket socket = std::move(first);
+  for (int accepted = 1;; ++accepted) {
+    was_full = was_full || silent_.is_full();
+    std::make_shared<HttpConnection>(Stream(std::move(socket)), *this)->read();
+    if (accepted == kAcceptedAtOnce) break;
+    socket = acceptor_.accept(error);
+    // For example too many open files, which a stranger's end makes fewer.
+    if (error) break;
+  }
+  const bool waits_for_more = !error || error == net::error::would_block;
+  if (!waits_for_more && !drop_stranger()) return accept_after(kRetryAccept);
+  if (was_full || !waits_for_more) return accept_after(kAcceptWhenFull);
+  accept();
 }
 
 void ViewServer::Network::accept_after(Clock::duration time) {
@@ -297,13 +319,17 @@ void ViewServer::Network::on_open(const std::shared_ptr<LiveClient>& client) {
   clients_.push_back(client);
 }
 
+void ViewServer::Network::on_closing(LiveClient& client) {
+  if (in_control_ == &client) pass_control();
+}
+
 void ViewServer::Network::on_end(LiveClient& client) {
   std::erase_if(clients_, [&](const auto& c) { return c.get() == &client; });
   if (in_control_ == &client) pass_control();
   if (is_stopping_ && clients_.empty()) stop_timer_.cancel();
 }
 
-// The client in control has left.
+// The client in control leaves.
 void ViewServer::Network::pass_control() {
   in_control_ = nullptr;
   model_.let_go();
@@ -491,6 +517,15 @@ ViewServer::ViewServer(std::unique_ptr<Network> network) : network_(std::move(ne
 
 ViewServer::~ViewServer() {
   stop();
+}
+
+std::optional<std::string> ViewServer::files_problem() {
+  constexpr rlim_t kEnough = kOtherFiles + 2 * kFewestStrangers;
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) return std::nullopt;
+  return "this process may open " + std::to_string(files.rlim_cur) + " files; the server needs " +
+         std::to_string(kEnough) +
+         " so that strangers cannot keep a page out (raise the limit, such as with ulimit -n 1024)";
 }
 
 std::uint16_t ViewServer::port() const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,8 @@ class ViewServer {
   // port is taken, or not permitted.
   static Result<std::unique_ptr<ViewServer>> listen(const ServerSettings& settings,
                                                     const PageFiles& page, ViewModel& model);
+  // One line if this process may open fewer files than a server needs.
+  static std::optional<std::string> files_problem();
   ~ViewServer();  // calls stop()
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;

@@ -255,6 +255,11 @@ std::string ViewSession::status(std::size_t clients) {
 }
 
 std::optional<ViewModel::Event> ViewSession::take_event() {
+  if (settings_.recording.on_start_inside) {
+    if (const auto status = start_inside_news_.look()) {
+      settings_.recording.on_start_inside(*status);
+    }
+  }
   if (settings_.recording.failure && !has_told_recording_) {
     if (const auto why = settings_.recording.failure()) {
       has_told_recording_ = true;

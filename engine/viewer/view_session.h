@@ -35,6 +35,8 @@ struct ViewRecording {
   // Why the recording has ended before the session; no value while it goes on. The network thread
   // calls it.
   std::function<std::optional<std::string>()> failure;
+  // Called on the network thread with each change of a hand that begins inside; may be empty.
+  std::function<void(const StartInside::Status&)> on_start_inside = {};
 };
 
 struct ViewSettings {
@@ -104,6 +106,7 @@ class ViewSession final : public ViewModel {
 
   SteadyMotions mover_;
   StartInside start_inside_;
+  StartInsideNews start_inside_news_{start_inside_};
   MaterialTuner tuner_;
   LiveSettings live_;
   PageSettings page_settings_;

@@ -82,6 +82,7 @@ std::optional<Error> add_input(const struct stat& status, const std::string& pat
   const auto file = id_of(status);
   if (!file) return std::nullopt;
   if (auto error = check_streams(*file, path)) return error;
+  if (own_results_scopes > 0) return std::nullopt;
   FileRoles& roles = file_roles();
   const std::lock_guard lock(roles.mutex);
   const auto output = roles.outputs.find(*file);
@@ -93,10 +94,6 @@ std::optional<Error> add_input(const struct stat& status, const std::string& pat
   return std::nullopt;
 }
 
-bool is_input_watched() {
-  return are_roles_watched.load() && own_results_scopes == 0;
-}
-
 }  // namespace
 
 void watch_file_roles() {
@@ -105,13 +102,13 @@ void watch_file_roles() {
 
 std::optional<Error> add_input(const std::string& path) {
   struct stat status = {};
-  if (!is_input_watched() || ::stat(path.c_str(), &status) != 0) return std::nullopt;
+  if (!are_roles_watched.load() || ::stat(path.c_str(), &status) != 0) return std::nullopt;
   return add_input(status, path);
 }
 
 std::optional<Error> add_input(int descriptor, const std::string& path) {
   struct stat status = {};
-  if (!is_input_watched() || ::fstat(descriptor, &status) != 0) return std::nullopt;
+  if (!are_roles_watched.load() || ::fstat(descriptor, &status) != 0) return std::nullopt;
   return add_input(status, path);
 }
 

@@ -27,8 +27,9 @@ std::optional<Error> add_input(int descriptor, const std::string& path);
 // An error that names both files if it is an input. A link and its target both count.
 std::optional<Error> add_output(const std::string& path);
 
-// While it lives, add_input() does nothing on this thread: for results of an earlier command, which
-// the program reads in order to continue or replace them.
+// While it lives, add_input() on this thread makes no file an input: for results of an earlier
+// command, which the program reads in order to continue or replace them. A standard stream that is
+// redirected to the file is an error as ever.
 class OwnResultsScope {
  public:
   OwnResultsScope();

@@ -26,6 +26,10 @@ constexpr std::size_t kMostNear = 64;
 // Limit on the leaves of a PointTree that are examined for vertices on edges, per edge and vertex.
 // A boundary edge usually passes a few leaves, because the vertices near it are its neighbours.
 constexpr std::size_t kMostLeaves = 16;
+// The same, per edge and vertex beyond those of the first kLeavesOfAny leaves. Real surfaces with
+// very many boundary edges have short ones.
+constexpr std::size_t kMostFurtherLeaves = 2;
+constexpr std::size_t kLeavesOfAny = std::size_t{1} << 21;
 
 // The search for what may be within a bound covers this much more than the bound, which is computed
 // from the coordinates of one of the two positions only.
@@ -312,7 +316,9 @@ class JoinSearch {
     positions.reserve(ends.size());
     for (const std::uint32_t v : ends) positions.push_back(position(v));
     const PointTree tree(std::move(positions));
-    const std::size_t most_leaves = kMostLeaves * (edges.size() + ends.size());
+    const std::size_t count = edges.size() + ends.size();
+    const std::size_t most_leaves =
+        std::min(kMostLeaves * count, kLeavesOfAny + kMostFurtherLeaves * count);
     std::size_t leaves_left = most_leaves;
     std::size_t places_left = kMostPlaces * ends.size() + 1;
     std::vector<Place> places;

@@ -105,6 +105,12 @@ Result<ElementRange> range_in_view(const GltfAsset& asset, std::size_t view_id,
                      std::to_string(byte_offset) + " reach beyond bufferView " +
                      std::to_string(view_id) + " of " + std::to_string(view.size()) + " bytes");
   }
+  if (content->encoded_stride == 0) {
+    const tinygltf::BufferView& stored = asset.model.bufferViews[view_id];
+    asset.buffers.note_mesh_data(static_cast<std::size_t>(stored.buffer),
+                                 stored.byteOffset + byte_offset,
+                                 (count - 1) * stride + element_bytes, false);
+  }
   return ElementRange{view.subspan(byte_offset), stride, count};
 }
 

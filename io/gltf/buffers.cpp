@@ -4,7 +4,6 @@
 #include <string_view>
 #include <utility>
 
-#include "io/base64.h"
 #include "io/gltf/error.h"
 #include "io/gltf/file.h"
 #include "io/gltf/limits.h"
@@ -12,8 +11,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kDataScheme = "data:";
-constexpr std::string_view kBase64Marker = ";base64";
 constexpr std::string_view kLfsPointerStart = "version https://git-lfs.github.com/spec/";
 
 // A clone without Git LFS contains pointers in place of large files; a pointer is long enough to be
@@ -21,10 +18,6 @@ constexpr std::string_view kLfsPointerStart = "version https://git-lfs.github.co
 bool is_lfs_pointer(const FileBytes& bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return text.starts_with(kLfsPointerStart);
-}
-
-bool is_data_uri(std::string_view uri) {
-  return uri.starts_with(kDataScheme);
 }
 
 // The error of a file that a URI names.
@@ -41,25 +34,16 @@ Error too_short(std::size_t buffer, std::uint64_t bytes, std::uint64_t expected)
       "the data may be truncated");
 }
 
-Result<FileBytes> data_uri_bytes(std::string_view uri) {
-  const std::size_t comma = uri.find(',');
-  if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(kBase64Marker)) {
-    return gltf_invalid(
-        {}, "the data URI is not marked as base64; expected data:MEDIA/TYPE;base64,...");
-  }
-  const auto decoded = base64_decoded(uri.substr(comma + 1));
-  if (!decoded) return gltf_invalid({}, "the data URI is not valid base64");
-  FileBytes bytes(decoded->size());
-  std::copy(decoded->begin(), decoded->end(), bytes.data());
-  return bytes;
-}
-
 }  // namespace
 
 GltfBuffers::GltfBuffers(std::vector<GltfBufferDeclaration> declarations, const GltfSource& source,
                          std::optional<GltfRange> bin_chunk, std::string folder,
-                         MemoryLedger* memory)
-    : source_(source), bin_chunk_(bin_chunk), folder_(std::move(folder)), memory_(memory) {
+                         MemoryLedger* memory, GltfDataUris data_uris)
+    : source_(source),
+      bin_chunk_(bin_chunk),
+      folder_(std::move(folder)),
+      memory_(memory),
+      data_uris_(std::move(data_uris)) {
   buffers_.reserve(declarations.size());
   for (auto& declaration : declarations) buffers_.push_back({std::move(declaration), {}, false});
 }
@@ -85,6 +69,14 @@ bool GltfBuffers::take_unstored(std::size_t elements) {
   if (elements > unstored_left_) return false;
   unstored_left_ -= elements;
   return true;
+}
+
+void GltfBuffers::note_mesh_data(std::size_t buffer, std::uint64_t byte_offset,
+                                 std::uint64_t byte_length, bool compressed) {
+  ByteRanges& ranges = mesh_data_[{buffer, compressed}];
+  const std::uint64_t before = ranges.total();
+  ranges.add(byte_offset, byte_offset + byte_length);
+  mesh_bytes_ += (compressed ? kGltfBytesPerCompressedByte : 1) * (ranges.total() - before);
 }
 
 std::optional<Error> GltfBuffers::count_decoded(std::uint64_t bytes, const std::string& element) {
@@ -143,15 +135,23 @@ Result<GltfSource::Part> GltfBuffers::load(std::size_t index) {
     return error;
   };
   std::optional<RegularFile> file;
-  if (!is_data_uri(*declaration.uri)) {
+  if (!GltfDataUris::is_data_uri(*declaration.uri)) {
     auto opened = open_uri(*declaration.uri, kMaxGltfFileBytes);
     if (!opened) return of_uri(opened.error());
     file = std::move(*opened);
     if (length > file->size()) return too_short(index, file->size(), length);
   }
-  if (auto error = take_memory({length, length}, gltf_element("buffers", index))) return *error;
-  auto loaded = file ? file->read(0, length) : data_uri_bytes(*declaration.uri);
-  if (!loaded) return of_uri(file ? of_file(*declaration.uri, loaded.error()) : loaded.error());
+  if (!data_uris_.is_in_text(*declaration.uri)) {
+    if (auto error = take_memory({length, length}, gltf_element("buffers", index))) return *error;
+  }
+  if (!file) {
+    auto decoded = data_uris_.bytes(*declaration.uri);
+    if (!decoded) return of_uri(decoded.error());
+    loaded_bytes_ += decoded->bytes.size();
+    return decoded;
+  }
+  auto loaded = file->read(0, length);
+  if (!loaded) return of_uri(of_file(*declaration.uri, loaded.error()));
   loaded_bytes_ += loaded->size();
   GltfSource::Part part{std::move(*loaded), {}};
   part.bytes = part.storage.span();
@@ -178,13 +178,15 @@ Result<RegularFile> GltfBuffers::open_uri(const std::string& uri, std::uint64_t 
   return file;
 }
 
-Result<FileBytes> GltfBuffers::read_uri(const std::string& uri, std::uint64_t max_bytes) {
-  if (is_data_uri(uri)) return data_uri_bytes(uri);
+Result<GltfSource::Part> GltfBuffers::read_uri(const std::string& uri, std::uint64_t max_bytes) {
+  if (GltfDataUris::is_data_uri(uri)) return data_uris_.bytes(uri);
   const auto file = open_uri(uri, max_bytes);
   if (!file) return file.error();
   auto bytes = file->read(0, file->size());
   if (!bytes) return of_file(uri, bytes.error());
-  return bytes;
+  GltfSource::Part part{std::move(*bytes), {}};
+  part.bytes = part.storage.span();
+  return part;
 }
 
 }  // namespace palpate

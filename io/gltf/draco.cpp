@@ -148,6 +148,9 @@ class DracoReader {
     if (!view) return view.error();
     const auto bytes = view_bytes(asset_, *view);
     if (!bytes) return bytes.error();
+    const tinygltf::BufferView& stored = asset_.model.bufferViews[*view];
+    asset_.buffers.note_mesh_data(static_cast<std::size_t>(stored.buffer), stored.byteOffset,
+                                  stored.byteLength, true);
     if (auto error = check_expansion(bytes->size())) return *error;
     auto mesh = decode_draco(*bytes, asset_.buffers, declared_, remaining, element_);
     if (!mesh) return mesh.error();

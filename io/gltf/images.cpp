@@ -60,7 +60,7 @@ Result<ImageDescription> GltfImages::decoded(std::size_t id) {
   return error;
 }
 
-// The encoded bytes of the image; in `storage` unless a buffer contains them.
+// The encoded bytes of the image; in `storage` unless a buffer or the JSON contains them.
 Result<std::span<const std::uint8_t>> GltfImages::encoded(std::size_t id, FileBytes& storage) {
   const std::string element = gltf_element("images", id);
   const Json& image = asset_.json["images"][id];
@@ -82,8 +82,8 @@ Result<std::span<const std::uint8_t>> GltfImages::encoded(std::size_t id, FileBy
     error.element = element + "/uri";
     return error;
   }
-  storage = std::move(*loaded);
-  return storage.span();
+  storage = std::move(loaded->storage);
+  return loaded->bytes;
 }
 
 }  // namespace palpate

@@ -17,6 +17,17 @@ namespace {
 // A shorter run of spaces costs the JSON library less than a part of the list.
 constexpr std::size_t kLongRun = 256;
 
+// Less data of data URIs than this stay in the text that is parsed, so that messages of the parser
+// have the right column.
+constexpr std::size_t kFewData = std::size_t{1} << 20;
+
+constexpr std::string_view kDataUri = "data:";
+
+// A byte that stands for itself in a JSON string.
+bool is_plain(char c) {
+  return (c >= ' ') & (c <= '~') & (c != '"') & (c != '\\');
+}
+
 // The memory of each value in the JSON library, as it is with the containers and the allocator of
 // the GNU C++ library.
 constexpr std::uint64_t kArrayItemBytes = 32;  // 16, and as many that the array keeps free
@@ -61,6 +72,9 @@ class JsonScanner {
     }
     while (depth_ > 0) close();  // of a text that is cut off
     if (auto error = check_memory()) return *error;
+    std::size_t data_bytes = 0;
+    for (const JsonTextPart& part : scan_.long_data) data_bytes += part.end - part.begin;
+    if (data_bytes < kFewData) scan_.long_data.clear();
     return std::move(scan_);
   }
 
@@ -82,25 +96,56 @@ class JsonScanner {
     at_ = end;
   }
 
+  // If a string that is a data URI with long data begins here, notes the data and returns
+  // the closing quote; otherwise returns the first byte of the string.
+  std::size_t skip_data() {
+    constexpr std::size_t kLongestType = 128;  // media type and parameters
+    const std::size_t begin = at_ + 1;
+    if (!text_.substr(begin).starts_with(kDataUri)) return begin;
+    const std::size_t comma = text_.substr(begin, kLongestType).find_first_of(",\"\\");
+    if (comma == text_.npos || text_[begin + comma] != ',') return begin;
+    const std::size_t data = begin + comma + 1;
+    const std::size_t end = first_json_byte(text_, data, [](char c) { return !is_plain(c); });
+    if (end >= text_.size() || text_[end] != '"') return begin;
+    // Short data stay in the string, unless they could be mistaken for GltfDataUris::mark().
+    if (end - data < kLongRun && text_[data] != '*') return begin;
+    scan_.long_data.push_back({data, end});
+    return end;
+  }
+
   std::optional<Error> skip_string() {
-    std::size_t end = at_ + 1;
+    const std::size_t begin = skip_data();
+    std::size_t end = begin;
     for (; end < text_.size(); ++end) {
       end = first_json_byte(text_, end, [](char c) { return (c == '"') | (c == '\\'); });
       if (end >= text_.size() || text_[end] == '"') break;
       ++end;  // what follows the backslash
     }
     end = std::min(end + 1, text_.size());
-    if (end - at_ > kMaxGltfStringBytes && !text_.substr(at_ + 1).starts_with("data:")) {
+    if (end - at_ > kMaxGltfStringBytes && !text_.substr(at_ + 1).starts_with(kDataUri)) {
       return beyond_limit("begins a string of more than " + std::to_string(kMaxGltfStringBytes) +
                               " bytes, which is no data URI",
                           "remove it from the asset");
+    }
+    string_bytes_ += end - begin;
+    if (string_bytes_ > kMaxGltfStringBytesInAll) {
+      return beyond_limit("brings the strings together to more than " +
+                              std::to_string(kMaxGltfStringBytesInAll) +
+                              " bytes; the data of data URIs without a backslash do not count",
+                          "shorten names and extras");
     }
     const std::string_view string = text_.substr(at_, end - at_);
     // A key has no memory of its own beside that of its member, unless it is long.
     const std::size_t colon = first_json_mark(text_, end);
     const bool is_key = colon < text_.size() && text_[colon] == ':';
     if (!is_key) scan_.extent.bytes += kStringBytes;
-    if (is_key && depth_ == 1) is_in_section_ = is_section(string);
+    if (is_key && depth_ == 1) {
+      is_in_section_ = is_section(string);
+      counted_list_ = string == "\"nodes\""        ? &scan_.nodes
+                      : string == "\"scenes\""     ? &scan_.scenes
+                      : string == "\"animations\"" ? &scan_.animations
+                                                   : nullptr;
+    }
     if (end - at_ > kLongString + 2) {
       scan_.extent.bytes += kAllocationBytes;
     }
@@ -137,6 +182,7 @@ class JsonScanner {
     extent.bytes += level.values * (level.is_object ? kMemberBytes : kArrayItemBytes);
     if (depth_ != 2 || !is_in_section_) return;
     bytes_of_elements_ += std::min(extent.bytes - level.bytes_before, kElementBytes);
+    if (counted_list_ != nullptr && level.is_object) ++*counted_list_;
   }
 
   std::optional<Error> check_memory() const {
@@ -154,10 +200,12 @@ class JsonScanner {
   std::size_t at_ = 0;
   std::size_t counted_ = 1;
   std::size_t depth_ = 0;
+  std::size_t string_bytes_ = 0;
   bool is_in_section_ = false;           // whether the last key of the root is a section
   std::uint64_t bytes_of_elements_ = 0;  // the part of JsonExtent::bytes that sections may have
   std::array<Level, kMaxGltfJsonDepth + 1> levels_{};  // the open arrays and objects
   JsonScan scan_;
+  std::size_t* counted_list_ = nullptr;  // the count for the last key of the root
 };
 
 }  // namespace

@@ -1,8 +1,9 @@
 #pragma once
 
 // Goes once through JSON text before any parser does: checks its size and depth, counts what
-// determines the memory of parsing it, and finds long runs of spaces.
+// determines the memory of parsing it, and finds long runs of spaces and the data of data URIs.
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -23,13 +24,20 @@ struct JsonExtent {
 
 struct JsonScan {
   JsonExtent extent;
+  // The objects in arrays of the root.
+  std::size_t nodes = 0;
+  std::size_t scenes = 0;
+  std::size_t animations = 0;
   // The long runs of spaces between values, each without its last byte, in ascending order.
   std::vector<JsonTextPart> long_spaces;
+  // The long data of strings that are data URIs, behind the comma, in ascending order; none if
+  // they are few.
+  std::vector<JsonTextPart> long_data;
 };
 
 // An error if the text exceeds a limit: kMaxGltfJsonBytes, kMaxGltfJsonDepth, kMaxGltfJsonValues,
-// kMaxGltfStringBytes (data URIs may be longer) or kMaxGltfJsonMemory. Does not check the
-// grammar. Iterative; O(n). Thread-safe.
+// kMaxGltfStringBytes (data URIs may be longer), kMaxGltfStringBytesInAll or kMaxGltfJsonMemory.
+// Does not check the grammar. Iterative; O(n). Thread-safe.
 Result<JsonScan> scan_json(std::string_view text);
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 #pragma once
 
-// Finds long runs of spaces in JSON text, and leaves them out. The JSON library keeps a copy of the
-// spaces before each value, and examines them one by one.
+// Finds long runs of spaces in JSON text, and leaves them and the data of data URIs out. The JSON
+// library keeps a copy of the spaces before each value, and examines all bytes one by one.
 
 #include <algorithm>
 #include <cstddef>
@@ -15,6 +15,12 @@ namespace palpate {
 // A part of a text, from one byte to before another one.
 struct JsonTextPart {
   std::size_t begin, end;
+};
+
+// A part that is left out, and what a parser gets in its place.
+struct JsonReplacement {
+  JsonTextPart part;
+  std::string_view text;
 };
 
 // Whether JSON allows this byte between values.
@@ -49,8 +55,8 @@ inline std::size_t first_json_mark(std::string_view text, std::size_t at) {
   return first_json_byte(text, at, [](char c) { return !is_json_space(c); });
 }
 
-// Goes through the bytes of a text, without those of some parts. The text and the parts must
-// outlive it.
+// Goes through the bytes of a text, in which some parts are replaced. The text and the replacements
+// must outlive it.
 class JsonTextIterator {
  public:
   using iterator_category = std::forward_iterator_tag;
@@ -59,15 +65,20 @@ class JsonTextIterator {
   using pointer = const char*;
   using reference = const char&;
 
-  // at: 0 for the begin, the size of the text for the end. left_out: ascending.
-  JsonTextIterator(std::string_view text, std::size_t at, std::span<const JsonTextPart> left_out)
-      : text_(text.data()), at_(at), left_out_(left_out) {
+  // at: 0 for the begin, the size of the text for the end. replacements: ascending.
+  JsonTextIterator(std::string_view text, std::size_t at,
+                   std::span<const JsonReplacement> replacements)
+      : text_(text.data()), at_(at), replacements_(replacements) {
     skip();
   }
 
-  reference operator*() const { return text_[at_]; }
+  reference operator*() const { return instead_.empty() ? text_[at_] : instead_.front(); }
   JsonTextIterator& operator++() {
-    ++at_;
+    if (instead_.empty()) {
+      ++at_;
+    } else {
+      instead_.remove_prefix(1);
+    }
     skip();
     return *this;
   }
@@ -76,19 +87,25 @@ class JsonTextIterator {
     ++*this;
     return before;
   }
-  bool operator==(const JsonTextIterator& other) const { return at_ == other.at_; }
-  bool operator!=(const JsonTextIterator& other) const { return at_ != other.at_; }
+  bool operator==(const JsonTextIterator& other) const {
+    return at_ == other.at_ && instead_.size() == other.instead_.size();
+  }
+  bool operator!=(const JsonTextIterator& other) const { return !(*this == other); }
 
  private:
   void skip() {
-    if (left_out_.empty() || at_ != left_out_.front().begin) return;
-    at_ = left_out_.front().end;
-    left_out_ = left_out_.subspan(1);
+    if (!instead_.empty() || replacements_.empty() || at_ != replacements_.front().part.begin) {
+      return;
+    }
+    at_ = replacements_.front().part.end;
+    instead_ = replacements_.front().text;
+    replacements_ = replacements_.subspan(1);
   }
 
   const char* text_;
   std::size_t at_;
-  std::span<const JsonTextPart> left_out_;  // those that are still ahead
+  std::string_view instead_;                       // what is left of a replacement
+  std::span<const JsonReplacement> replacements_;  // those that are still ahead
 };
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/base/memory_reserve.h"
+#include "io/gltf/data_uris.h"
 #include "io/gltf/error.h"
 #include "io/gltf/json_spaces.h"
 
@@ -111,6 +112,23 @@ class DocumentBuilder {
   std::string problem_;
 };
 
+// The parts that the parser need not examine, ascending. marks: of the data, for the replacements.
+std::vector<JsonReplacement> replacements_of(const JsonScan& scan,
+                                             const std::vector<std::string>& marks) {
+  std::vector<JsonReplacement> replacements;
+  replacements.reserve(scan.long_spaces.size() + marks.size());
+  for (const JsonTextPart& part : scan.long_spaces) replacements.push_back({part, {}});
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    replacements.push_back({scan.long_data[i], marks[i]});
+  }
+  std::inplace_merge(replacements.begin(),
+                     replacements.end() - static_cast<std::ptrdiff_t>(marks.size()),
+                     replacements.end(), [](const JsonReplacement& a, const JsonReplacement& b) {
+                       return a.part.begin < b.part.begin;
+                     });
+  return replacements;
+}
+
 }  // namespace
 
 Result<Json> parse_gltf_json(std::string_view text, const JsonScan& scan,
@@ -123,16 +141,21 @@ Result<Json> parse_gltf_json(std::string_view text, const JsonScan& scan,
   if (text.find_first_not_of('\0', std::min(end, text.size())) != text.npos) {
     return gltf_invalid("JSON", "byte " + std::to_string(end) + " is zero; expected text");
   }
-  const std::vector<JsonTextPart>& spaces = scan.long_spaces;
+  std::vector<std::string> marks;
+  marks.reserve(scan.long_data.size());
+  while (marks.size() < scan.long_data.size()) marks.push_back(GltfDataUris::mark(marks.size()));
+  const std::vector<JsonReplacement> replacements = replacements_of(scan, marks);
   DocumentBuilder builder(warnings);
-  const bool is_parsed = spaces.empty()
+  const bool is_parsed = replacements.empty()
                              ? Json::sax_parse(text, &builder)
-                             : Json::sax_parse(JsonTextIterator(text, 0, spaces),
+                             : Json::sax_parse(JsonTextIterator(text, 0, replacements),
                                                JsonTextIterator(text, text.size(), {}), &builder);
   if (!is_parsed) {
     return gltf_invalid(
         "JSON", builder.problem().substr(0, 200),
-        spaces.empty() ? "" : "lines and columns are counted without long runs of spaces");
+        replacements.empty()
+            ? ""
+            : "lines and columns are counted without long runs of spaces and data of URIs");
   }
   if (const std::size_t others = builder.unlisted_duplicates(); others > 0) {
     warnings.push_back("JSON: " + std::to_string(others) +

@@ -12,7 +12,7 @@ using namespace std::string_view_literals;
 constexpr std::string_view kConvert = "export it as glTF 2.0, for example with Blender";
 constexpr std::string_view kUnpack = "unpack it, and name the .gltf or .glb file in it";
 constexpr std::string_view kImage = "name the .gltf or .glb file that uses it";
-constexpr std::string_view kOther = "name a .gltf or .glb file";
+constexpr std::string_view kNameAnother = "name a .gltf or .glb file";
 
 struct Signature {
   std::size_t offset;
@@ -48,13 +48,13 @@ constexpr Signature kSignatures[] = {
     {0, "b3dm"sv, {"a tile of 3D Tiles", "extract the GLB in it"}},
     {0, "i3dm"sv, {"a tile of 3D Tiles", "extract the GLB in it"}},
     {0, "cmpt"sv, {"a tile of 3D Tiles", "extract the GLB in it"}},
-    {0, "SQLite format 3\0"sv, {"an SQLite database", kOther}},
-    {0, "%PDF-"sv, {"a PDF document", kOther}},
+    {0, "SQLite format 3\0"sv, {"an SQLite database", kNameAnother}},
+    {0, "%PDF-"sv, {"a PDF document", kNameAnother}},
     {0,
      "\x7f"
      "ELF"sv,
-     {"a program", kOther}},
-    {0, "MZ"sv, {"a program", kOther}},
+     {"a program", kNameAnother}},
+    {0, "MZ"sv, {"a program", kNameAnother}},
     {0,
      "version https://git-lfs.github.com/spec/"sv,
      {"a Git LFS pointer, not the data", "run git lfs pull where the asset came from"}},
@@ -108,7 +108,7 @@ std::optional<KnownFormat> known_format(std::string_view start) {
   }
   if (text.starts_with("<?xml") || text.starts_with("<COLLADA")) {
     return text.find("COLLADA") != text.npos ? KnownFormat{"a COLLADA file", kConvert}
-                                             : KnownFormat{"an XML file", kOther};
+                                             : KnownFormat{"an XML file", kNameAnother};
   }
   if (text.starts_with("solid") && text.find("facet") != text.npos) {
     return KnownFormat{"an STL file", kConvert};

@@ -17,7 +17,7 @@
 //   zeros that no view holds          as positions or indices         kMaxGltfUnstored
 //   a pose, while it is made          120 bytes a vertex              kMaxGltfVertices
 //   joints                            250 bytes each                  kMaxGltfJoints
-//   instances                         300 bytes each                  kMaxGltfInstances
+//   instances                         600 bytes each                  kMaxGltfInstances
 //   images that are decoded           their file, and 6 bytes a       kMaxGltfImageBytes,
 //                                     pixel, 16 while decoded         kMaxGltfPixels
 //   entries of extras.palpate         400 bytes each, and their text  kMaxGltfParameters
@@ -42,6 +42,9 @@ inline constexpr std::uint64_t kMaxGltfJsonBytes = std::uint64_t{1} << 29;  // d
 inline constexpr std::size_t kMaxGltfChunks = std::size_t{1} << 12;         // of a GLB
 inline constexpr std::size_t kMaxGltfJsonValues = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxGltfStringBytes = std::size_t{1} << 24;  // data URIs excepted
+// All strings together, without long data of data URIs: the names of nodes are held up to four
+// times.
+inline constexpr std::size_t kMaxGltfStringBytesInAll = std::size_t{1} << 26;
 inline constexpr std::size_t kMaxGltfJsonDepth = 256;
 // Scenes, nodes, meshes, primitives, morph targets, accessors, buffer views and buffers, together.
 inline constexpr std::size_t kMaxGltfElements = std::size_t{1} << 20;
@@ -56,6 +59,17 @@ constexpr std::size_t most_gltf_elements(std::size_t text_bytes) {
 // text of strings.
 inline constexpr std::uint64_t kMaxGltfJsonMemory = std::uint64_t{160} << 20;
 inline constexpr std::size_t kMaxGltfNodes = std::size_t{1} << 20;
+// The limit is lower for a small file. A node takes about 1 KiB: half of it while the JSON is read,
+// and half in a compiled scene. Further nodes must therefore bring as much, for example with
+// meshes.
+constexpr std::size_t most_gltf_nodes(std::uint64_t file_bytes) {
+  constexpr std::uint64_t kOfAnyFile = std::uint64_t{1} << 17;
+  constexpr std::uint64_t kBytesPerNode = 1024;
+  return std::min<std::uint64_t>(kMaxGltfNodes, kOfAnyFile + file_bytes / kBytesPerNode);
+}
+// A scene or an animation takes about 1 KiB while it is read, and one byte or more in a file.
+inline constexpr std::size_t kMaxGltfScenes = std::size_t{1} << 16;
+inline constexpr std::size_t kMaxGltfAnimations = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfNodeDepth = 1024;  // 1: a root
 // Limits of the factor by which a node and its ancestors scale a mesh. Outside these limits,
 // products of three lengths, such as volumes, overflow or underflow.
@@ -65,9 +79,32 @@ inline constexpr std::size_t kMaxGltfVertices = std::size_t{1} << 25;  // all me
 // Elements of sparse accessors without a buffer view, which take no bytes in the file.
 inline constexpr std::size_t kMaxGltfUnstored = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxGltfTriangles = std::size_t{1} << 25;  // each mesh counted once
-// Triangles of meshes that are equal to others in all that the file says; further ones are read
-// once. Hand-made scenes with equal meshes have fewer.
-inline constexpr std::size_t kMaxGltfRepeatedTriangles = std::size_t{1} << 18;
+// Triangles of meshes that are equal to others in all that the file says (see also
+// kGltfTrianglesPerMesh); further ones are read once. Hand-made scenes with equal meshes have
+// fewer.
+inline constexpr std::size_t kMaxGltfRepeatedTriangles = std::size_t{1} << 17;
+// A mesh is read again for each further pose, and for each mesh that refers to the same accessors,
+// so that a small file can describe any number of triangles. The limit of all triangles is
+// therefore lower for a file with little mesh data. A triangle takes about 240 bytes in a compiled
+// scene: those of any file fit into 256 MiB.
+inline constexpr std::uint64_t kGltfTrianglesOfAnyFile = std::uint64_t{1} << 20;
+// Triangles of meshes without a skin and morph weights. A real triangle has four bytes of mesh data
+// or more, even in a strip of quantised positions.
+constexpr std::size_t most_gltf_triangles(std::uint64_t mesh_bytes) {
+  return std::min<std::uint64_t>(kMaxGltfTriangles, kGltfTrianglesOfAnyFile + mesh_bytes / 2);
+}
+// Triangles of meshes with a skin or morph weights, in all poses. A crowd of 100 characters in
+// different poses, which share one mesh, has two to four triangles for each byte of the mesh and
+// its skin.
+constexpr std::size_t most_gltf_posed_triangles(std::uint64_t mesh_bytes) {
+  return std::min<std::uint64_t>(kMaxGltfTriangles, kGltfTrianglesOfAnyFile + 4 * mesh_bytes);
+}
+// A mesh counts as this many triangles in addition to its own: it takes about 12 kB in a compiled
+// scene, however few triangles it has.
+inline constexpr std::size_t kGltfTrianglesPerMesh = 50;
+// A byte of a compressed stream counts as this many bytes of mesh data. Real streams decode to
+// about ten times their length.
+inline constexpr std::uint64_t kGltfBytesPerCompressedByte = 8;
 inline constexpr std::size_t kMaxGltfHapticMaterials = std::size_t{1} << 16;  // per extension
 inline constexpr std::uint64_t kMaxGltfImageBytes = std::uint64_t{1} << 29;   // per file or URI
 inline constexpr std::uint32_t kMaxGltfImageSide = 8192;                      // width and height
@@ -77,12 +114,14 @@ inline constexpr std::size_t kMaxGltfHapticMaps = 256;                        //
 inline constexpr std::size_t kMaxGltfParameters = std::size_t{1} << 16;
 // Nodes of the scene with extras.palpate_contour.
 inline constexpr std::size_t kMaxGltfContours = std::size_t{1} << 16;
-inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;     // all skins of the scene
-inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 20;  // all nodes of the scene
+inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;  // all skins of the scene
+// Instances of EXT_mesh_gpu_instancing and nodes with meshes, together. An instance takes about 600
+// bytes in a compiled scene, and 12 bytes in a file.
+inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 18;
 // The limit of the work for poses, in counted units. Each pose of a mesh costs 16 units for each
-// primitive, 1 for each attribute, target and weight, 1 for each vertex of the decoded morph
-// targets, and 1 for each value in the sets of joints. The animation that poses the scene costs 1
-// unit for each element of its samplers.
+// primitive, 1 for each attribute and weight, 64 for each target, 1 for each vertex of the decoded
+// morph targets, and 1 for each value in the sets of joints. The animation that poses the scene
+// costs 1 unit for each element of its samplers.
 inline constexpr std::size_t kMaxGltfPoseWork = std::size_t{1} << 27;
 // Key times that are read to determine the lengths of the animations.
 inline constexpr std::size_t kMaxGltfKeyTimes = std::size_t{1} << 24;

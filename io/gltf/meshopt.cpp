@@ -262,6 +262,7 @@ Result<GltfDecodedView> decode_view(GltfBuffers& buffers, const Json& parent,
   if (auto error = check_parent(parent, parent_element, *view)) return *error;
   const auto source = buffers.part(view->buffer, view->byte_offset, view->byte_length, element);
   if (!source) return source.error();
+  buffers.note_mesh_data(view->buffer, view->byte_offset, view->byte_length, true);
   if (auto error = check_codec(*view, source->front(), element)) return *error;
   if (auto error = buffers.count_decoded(view->count * view->stride, element)) return *error;
   GltfDecodedView decoded{std::vector<std::uint8_t>(view->count * view->stride), view->stride};

@@ -78,13 +78,16 @@ class MeshReader {
   }
 
  private:
+  bool is_posed() const { return pose_.skin != nullptr || !pose_.morph_weights.empty(); }
+
   // The JSON of the mesh is read again for every pose, and a small file can require many poses.
   std::optional<Error> charge_pose(const tinygltf::Mesh& mesh) {
-    if (!pose_.skin && pose_.morph_weights.empty()) return std::nullopt;
+    if (!is_posed()) return std::nullopt;
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
       constexpr std::size_t kPerPrimitive = 16;  // relative to a vertex: names, look-ups, warnings
+      constexpr std::size_t kPerTarget = 64;     // to find and check its data
       const std::size_t cost =
-          kPerPrimitive + primitive.attributes.size() + primitive.targets.size();
+          kPerPrimitive + primitive.attributes.size() + kPerTarget * primitive.targets.size();
       if (cost > budget_.pose_work) {
         return gltf_error(ErrorCode::kLimitExceeded, gltf_element("meshes", mesh_id_),
                           "has too many poses: more than " + std::to_string(kMaxGltfPoseWork) +
@@ -121,8 +124,7 @@ class MeshReader {
     if (!vertices) return vertices.error();
     auto triangles = triangles_of(primitive, *mode, vertices->count, element);
     if (!triangles) return triangles.error();
-    append(std::move(*triangles), vertices->first);
-    return std::nullopt;
+    return append(std::move(*triangles), vertices->first, element);
   }
 
   // Appends a compressed primitive, whose triangles are a list in every mode.
@@ -131,8 +133,8 @@ class MeshReader {
                                          const std::string& element) {
     const auto vertices = vertices_of(primitive, compressed, accessor, element);
     if (!vertices) return vertices.error();
-    append(assemble_triangles(TriangleMode::kList, compressed.indices()), vertices->first);
-    return std::nullopt;
+    return append(assemble_triangles(TriangleMode::kList, compressed.indices()), vertices->first,
+                  element);
   }
 
   struct VertexRange {
@@ -353,8 +355,14 @@ class MeshReader {
     return std::nullopt;
   }
 
-  void append(std::vector<Triangle> triangles, std::uint32_t first_vertex) {
+  std::optional<Error> append(std::vector<Triangle> triangles, std::uint32_t first_vertex,
+                              const std::string& element) {
     budget_.triangles -= triangles.size();
+    const std::size_t of_mesh = description_.triangles.empty() ? kGltfTrianglesPerMesh : 0;
+    auto error =
+        count_triangles(asset_, of_mesh + triangles.size(), element,
+                        "has too many triangles for the data of the file", is_posed(), budget_);
+    if (error) return error;
     if (first_vertex > 0) {
       for (Triangle& t : triangles) {
         for (std::uint32_t& vertex : t) vertex += first_vertex;
@@ -366,6 +374,7 @@ class MeshReader {
     } else {
       all.insert(all.end(), triangles.begin(), triangles.end());
     }
+    return std::nullopt;
   }
 
   const GltfAsset& asset_;
@@ -401,6 +410,27 @@ std::vector<Triangle> assemble_triangles(TriangleMode mode,
     }
   }
   return triangles;
+}
+
+std::optional<Error> count_triangles(const GltfAsset& asset, std::size_t triangles,
+                                     const std::string& element, const std::string& what,
+                                     bool posed, GltfBudget& budget) {
+  const std::uint64_t bytes = asset.buffers.mesh_bytes();
+  const std::size_t most = posed ? most_gltf_posed_triangles(bytes) : most_gltf_triangles(bytes);
+  std::size_t& counted = posed ? budget.posed_triangles : budget.unposed_triangles;
+  if (triangles <= most - std::min(most, counted)) {
+    counted += triangles;
+    return std::nullopt;
+  }
+  return gltf_error(
+      ErrorCode::kLimitExceeded, element,
+      what + ": with it, the meshes " +
+          (posed ? "with skins or morph weights, each counted once for each pose,"
+                 : "without skins and morph weights") +
+          " count as " + std::to_string(counted + triangles) + " triangles; expected at most " +
+          std::to_string(most) + " for the " + std::to_string(bytes) +
+          " bytes of mesh data that were read",
+      "let nodes share one mesh in one pose, or divide the scene among several files");
 }
 
 Result<MeshDescription> read_mesh(const GltfAsset& asset, std::size_t mesh, const MeshPose& pose,

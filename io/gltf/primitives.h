@@ -30,7 +30,18 @@ struct GltfBudget {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
   std::size_t pose_work = 0;  // see kMaxGltfPoseWork
+  // Counted so far, with kGltfTrianglesPerMesh for each mesh; see most_gltf_triangles() and
+  // most_gltf_posed_triangles().
+  std::size_t unposed_triangles = 0;
+  std::size_t posed_triangles = 0;
 };
+
+// Counts triangles that are about to be stored. An error if the file has too little mesh data for
+// so many. element, what: what needs them, for the error: `/nodes/7`, "poses mesh 3 once more".
+// posed: whether they have a skin or morph weights.
+std::optional<Error> count_triangles(const GltfAsset& asset, std::size_t triangles,
+                                     const std::string& element, const std::string& what,
+                                     bool posed, GltfBudget& budget);
 
 // The way in which a node changes the shape of its mesh.
 struct MeshPose {

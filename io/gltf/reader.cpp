@@ -214,7 +214,7 @@ class SceneReader {
     if (!weights) return weights.error();
     PosedMesh posed{first_equal(static_cast<std::size_t>(node.mesh)), std::nullopt, *weights};
     if (node.skin >= 0) posed.skin = static_cast<std::size_t>(node.skin);
-    const auto mesh = mesh_index(posed);
+    const auto mesh = mesh_index(posed, placed.node);
     if (!mesh) return mesh.error();
     if (!*mesh) scene_.nodes.resize(first);
     for (std::size_t i = first; i < scene_.nodes.size(); ++i) scene_.nodes[i].mesh = **mesh;
@@ -223,7 +223,7 @@ class SceneReader {
 
   // Adds the node or its instances, still without a mesh.
   std::optional<Error> add_placed(const PlacedNode& placed) {
-    const auto instances = read_instances(asset_, placed.node, kMaxGltfInstances - instance_count_);
+    const auto instances = read_instances(asset_, placed.node, most_instances());
     if (!instances) return instances.error();
     if (*instances) return add_instances(placed, **instances);
     const std::string& name = scene_.tree[placed.tree_node].name;
@@ -248,6 +248,13 @@ class SceneReader {
       add_description(placed, name, placed.T_scene_node);
     }
     return std::nullopt;
+  }
+
+  // The largest number of instances that a node may still have, if the other nodes with meshes have
+  // one each.
+  std::size_t most_instances() const {
+    const std::size_t others = walk_->mesh_nodes.size() - 1 + instance_count_;
+    return kMaxGltfInstances - std::min(kMaxGltfInstances, others);
   }
 
   std::optional<Error> add_instances(const PlacedNode& placed, const GltfInstances& instances) {
@@ -326,7 +333,8 @@ class SceneReader {
     const auto [other, is_new] = meshes_by_text_.emplace(text_of(asset_.model.meshes[mesh]), mesh);
     if (!is_new && asset_.model.meshes[other->second] == asset_.model.meshes[mesh] &&
         asset_.json["meshes"][other->second] == asset_.json["meshes"][mesh] &&
-        (repeated_triangles_ += triangles_[other->second]) > kMaxGltfRepeatedTriangles) {
+        (repeated_triangles_ += triangles_[other->second] + kGltfTrianglesPerMesh) >
+            kMaxGltfRepeatedTriangles) {
       return first_equal_.emplace(mesh, other->second).first->second;
     }
     return first_equal_.emplace(mesh, mesh).first->second;
@@ -344,9 +352,21 @@ class SceneReader {
     return text;
   }
 
-  // Reads the mesh at its first use in this pose; nothing if it has no triangle.
-  Result<std::optional<std::uint32_t>> mesh_index(const PosedMesh& posed) {
+  // An error if the mesh, which has been read in another pose, is posed once too often.
+  std::optional<Error> check_further_pose(const PosedMesh& posed, std::size_t node) const {
+    const auto known = triangles_.find(posed.mesh);
+    if (known == triangles_.end() || known->second == 0) return std::nullopt;
+    GltfBudget after = budget_;  // the triangles are counted when they are read
+    return count_triangles(asset_, known->second + kGltfTrianglesPerMesh,
+                           gltf_element("nodes", node),
+                           "poses mesh " + std::to_string(posed.mesh) + " once more",
+                           posed.skin.has_value() || !posed.morph_weights->empty(), after);
+  }
+
+  // Reads the mesh at its first use in this pose, by a node; nothing if it has no triangle.
+  Result<std::optional<std::uint32_t>> mesh_index(const PosedMesh& posed, std::size_t node) {
     if (const auto known = meshes_.find(posed); known != meshes_.end()) return known->second;
+    if (auto error = check_further_pose(posed, node)) return *error;
     MeshPose pose{*posed.morph_weights, nullptr};
     if (posed.skin) {
       const auto skin = skin_of(*posed.skin);
@@ -446,7 +466,7 @@ class SceneReader {
   SceneDescription scene_;
   std::size_t first_loss_ = 0;  // index of the first warning that may explain an empty scene
   PalpateExtras extras_;
-  GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork};
+  GltfBudget budget_{kMaxGltfVertices, kMaxGltfTriangles, kMaxGltfPoseWork, 0, 0};
   std::map<PosedMesh, std::optional<std::uint32_t>> meshes_;
   std::map<std::size_t, std::size_t> first_equal_;     // of meshes, by ids in the file
   std::map<std::size_t, std::size_t> triangles_;       // of meshes, by ids in the file
@@ -495,6 +515,24 @@ std::optional<Error> add_referenced_inputs(const Json& root, const std::string& 
   return std::nullopt;
 }
 
+// The nodes are counted before the text is parsed, which takes half of their memory.
+std::optional<Error> check_node_count(std::size_t nodes, std::uint64_t file_bytes) {
+  const std::size_t most = most_gltf_nodes(file_bytes);
+  if (nodes <= most) return std::nullopt;
+  return gltf_error(ErrorCode::kLimitExceeded, "/nodes",
+                    "has " + std::to_string(nodes) + " elements; at most " + std::to_string(most) +
+                        " are read from a file of " + std::to_string(file_bytes) + " bytes",
+                    "join small meshes, or divide the scene among several files");
+}
+
+std::optional<Error> check_count(std::size_t count, std::size_t most, const std::string& element) {
+  if (count <= most) return std::nullopt;
+  return gltf_error(
+      ErrorCode::kLimitExceeded, element,
+      "has " + std::to_string(count) + " elements; at most " + std::to_string(most) + " are read",
+      "remove those that are not needed");
+}
+
 // As read_gltf_bytes(), but may throw, and Error::path is empty.
 Result<SceneDescription> read_asset(const GltfSource& source, const std::string& folder,
                                     const ReadOptions& options, MemoryLedger& ledger) {
@@ -506,12 +544,15 @@ Result<SceneDescription> read_asset(const GltfSource& source, const std::string&
                               text->bytes.size());
   const auto scan = scan_json(json);
   if (!scan) return scan.error();
+  if (auto error = check_node_count(scan->nodes, source.size())) return *error;
+  if (auto error = check_count(scan->scenes, kMaxGltfScenes, "/scenes")) return *error;
+  if (auto error = check_count(scan->animations, kMaxGltfAnimations, "/animations")) return *error;
   ledger.begin("parsing the JSON");
   const JsonExtent& extent = scan->extent;
-  const MemoryNeed json_need = memory_of_json(json, extent);
+  const MemoryNeed json_need = memory_of_json(parsed_bytes(*scan, json.size()), extent);
   if (auto error = ledger.take(json_need)) return *error;
   expect_available(json_need.peak);
-  const MemoryReserve reserve(memory_to_destroy(json, extent));
+  const MemoryReserve reserve(memory_to_destroy(parsed_bytes(*scan, json.size()), extent));
   std::vector<std::string> warnings;
   if (container->byte_order_mark) {
     warnings.push_back("JSON: begins with a byte order mark, which is ignored");
@@ -522,13 +563,18 @@ Result<SceneDescription> read_asset(const GltfSource& source, const std::string&
   if (auto error = add_referenced_inputs(*root, folder)) return *error;
   auto extensions = check_extensions(*root);
   if (!extensions) return extensions.error();
-  source.give_back(*text);
-  text->storage = {};
+  if (scan->long_data.empty()) {
+    source.give_back(*text);
+    text->storage = {};
+  }
   auto sections = read_model(*root, container->json.length, warnings);
   expect_no_shortage();
   if (!sections) return sections.error();
   ledger.begin("reading the file");
-  GltfBuffers buffers(std::move(sections->buffers), source, container->bin_chunk, folder, &ledger);
+  const std::span<std::uint8_t> own_text(text->storage.data(), text->storage.size());
+  GltfBuffers buffers(std::move(sections->buffers), source, container->bin_chunk, folder, &ledger,
+                      own_text.empty() ? GltfDataUris(json, scan->long_data)
+                                       : GltfDataUris(own_text, scan->long_data));
   if (container->misaligned) {
     warnings.push_back("GLB: the length of a chunk is not a multiple of 4, as it must be");
   }

@@ -92,11 +92,12 @@ std::optional<std::string_view> after_group_name(std::string_view name) {
 // Whether a name that follows the word palpate means a contour.
 bool is_contour_name(std::string_view rest, const Json& value) {
   constexpr std::string_view kName = "contour";
-  constexpr std::size_t kMostErrors = 2;
+  constexpr std::size_t kMostWrongLetters = 2;
   if (rest.size() > 2 * kName.size()) return false;
   const std::string plain = plain_name(rest);
   if (plain == kName) return true;
-  return value.is_structured() && letter_distance(plain, kName, kMostErrors) <= kMostErrors;
+  return value.is_structured() &&
+         letter_distance(plain, kName, kMostWrongLetters) <= kMostWrongLetters;
 }
 
 // Words that other programs use, too, for what Palpate does not mean.
@@ -407,15 +408,16 @@ class Search {
   // A group that holds keys of Palpate and has nearly its name.
   bool read_misspelt_group(const std::string& name, const Json& value, const Path& path,
                            const Element& element) {
-    constexpr std::size_t kMostErrors = 2;
+    constexpr std::size_t kMostWrongLetters = 2;
     constexpr std::size_t kMostKeys = 16;
     const std::size_t length = name.size();
-    if (!value.is_object() || length + kMostErrors < kGroup.size() || length > 16 ||
+    if (!value.is_object() || length + kMostWrongLetters < kGroup.size() || length > 16 ||
         allowance_ == 0) {
       return false;
     }
     --allowance_;
-    if (letter_distance(plain_name(name), kGroup, kMostErrors) > kMostErrors) return false;
+    if (letter_distance(plain_name(name), kGroup, kMostWrongLetters) > kMostWrongLetters)
+      return false;
     std::size_t looked_at = 0;
     for (const auto& [key, inner] : value.items()) {
       if (++looked_at > kMostKeys) break;
@@ -466,9 +468,9 @@ class Search {
     for (const auto& [name, member] : value.items()) {
       const Path at = path / name;
       if (const auto rest = after_group_name(name)) {
-        add(at, [&] {
+        add(at, [&, &inner = member] {
           return "it lies inside " + in_quotes(path.text()) + "; " +
-                 belongs(member, element, rest->empty());
+                 belongs(inner, element, rest->empty());
         });
       } else if (member.is_structured()) {
         search_nested(member, at, element);

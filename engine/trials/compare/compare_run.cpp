@@ -23,6 +23,29 @@ std::optional<Error> write_plan_file(const CompareSettings& settings, CompareHan
   return file->finish();
 }
 
+// Makes a folder and its parents. At its end, those that it made and that are still empty are
+// removed: a comparison that is refused leaves none.
+class MadeFolders {
+ public:
+  explicit MadeFolders(const fs::path& folder) {
+    fs::path path;
+    std::error_code failed;
+    for (const fs::path& part : folder) {
+      path /= part;
+      if (!part.empty() && fs::create_directory(path, failed)) made_.push_back(path);
+    }
+  }
+  ~MadeFolders() {
+    std::error_code is_used;
+    for (auto path = made_.rbegin(); path != made_.rend(); ++path) fs::remove(*path, is_used);
+  }
+  MadeFolders(const MadeFolders&) = delete;
+  MadeFolders& operator=(const MadeFolders&) = delete;
+
+ private:
+  std::vector<fs::path> made_;  // outermost first
+};
+
 // The trials of one plan count more in the progress, the more strategies the plan has.
 double share_of_trials(const std::vector<ExperimentPlan>& plans, std::size_t run) {
   std::uint64_t all = 0;
@@ -54,8 +77,8 @@ Result<CompareOutcome> run_comparison(const CompareSettings& settings,
     plans.push_back(std::move(*plan));
   }
   CompareOutcome outcome;
-  // A folder that does not exist has no other command. A comparison that is refused leaves none.
-  if (fs::is_directory(folder)) {
+  const MadeFolders made(folder);
+  if (std::error_code failed; fs::is_directory(folder, failed)) {  // otherwise the run says why not
     auto lock = OutputLock::take(folder, run.shard ? FolderUse::kShared : FolderUse::kAlone);
     if (!lock) return lock.error();
     outcome.lock = std::move(*lock);

@@ -87,10 +87,12 @@ std::optional<Error> create_parts_folder(const std::string& folder) {
                "move what has this name, or choose another folder"};
 }
 
-// The text of one of the program's own files; empty if it cannot be read.
-std::string own_text(const std::string& path) {
+// The text of one of the program's own files; empty if it cannot be read. An error if a standard
+// stream is redirected to it.
+Result<std::string> own_text(const std::string& path) {
   const OwnResultsScope own;
   const auto text = read_settings_text(path);
+  if (!text && text.error().code == ErrorCode::kFileUnwritable) return text.error();
   return text ? *text : std::string();
 }
 
@@ -144,7 +146,9 @@ Error other_run_error(const std::string& folder, const std::string& found, const
 std::optional<Error> prepare_parts(const std::string& folder, const DealtRun& run,
                                    const ShardLocks& locks) {
   const std::string path = part_identity_path(folder);
-  const std::string found = own_text(path);
+  const auto own = own_text(path);
+  if (!own) return own.error();
+  const std::string& found = *own;
   if (found == run.identity_json) return std::nullopt;
   if (locks.are_others_running()) {
     return Error{ErrorCode::kFileUnwritable, folder, "`OutputFiles::folder`",
@@ -152,8 +156,9 @@ std::optional<Error> prepare_parts(const std::string& folder, const DealtRun& ru
                  "wait until it has ended, or choose another folder"};
   }
   if (has_unit_files(folder)) {
-    const std::string results = own_text((fs::path(folder) / kRunFile).string());
-    const bool is_merged = !stated_run(found).empty() && stated_run(found) == stated_run(results);
+    const auto results = own_text((fs::path(folder) / kRunFile).string());
+    if (!results) return results.error();
+    const bool is_merged = !stated_run(found).empty() && stated_run(found) == stated_run(*results);
     if (!is_merged) return other_run_error(folder, found, run);
   }
   if (!found.empty()) {
@@ -168,7 +173,7 @@ std::optional<Error> prepare_parts(const std::string& folder, const DealtRun& ru
 
 // The locks of a running process.
 struct FolderLocks {
-  OutputLock folder;
+  std::vector<OutputLock> folders;
   ShardLocks shards;
 };
 
@@ -176,9 +181,13 @@ struct FolderLocks {
 Result<FolderLocks> prepare_folder(const std::string& folder, const DealtRun& run,
                                    const DealtSettings& settings, const std::vector<int>& units) {
   if (auto error = create_run_folder(folder)) return *error;
-  auto lock = OutputLock::take(folder, settings.shard ? FolderUse::kShared : FolderUse::kAlone);
-  if (!lock) return lock.error();
+  const FolderUse use = settings.shard ? FolderUse::kShared : FolderUse::kAlone;
+  auto of_folder = OutputLock::take(folder, use);
+  if (!of_folder) return of_folder.error();
   if (auto error = create_parts_folder(folder)) return *error;
+  // The folder of another command may be this subfolder.
+  auto of_parts = OutputLock::take(parts_folder(folder), use);
+  if (!of_parts) return of_parts.error();
   ShardLocks shards(log_path(folder));
   if (auto error = prepare_parts(folder, run, shards)) return *error;
   if (const auto unit = shards.take(units)) {
@@ -188,7 +197,7 @@ Result<FolderLocks> prepare_folder(const std::string& folder, const DealtRun& ru
                  "wait until it has ended, or choose another folder"};
   }
   shards.end_preparation();
-  return FolderLocks{std::move(*lock), std::move(shards)};
+  return FolderLocks{{std::move(*of_folder), std::move(*of_parts)}, std::move(shards)};
 }
 
 void remove_journal(const std::string& folder, const DealtUnits& units, int unit) {
@@ -347,12 +356,12 @@ Result<DealtOutcome> run_dealt(const DealtRun& run, const DealtSettings& setting
   if (!locks) return locks.error();
 
   DealtOutcome outcome;
-  outcome.lock = std::move(locks->folder);
+  outcome.locks = std::move(locks->folders);
   std::vector<int> to_compute;
   for (const int unit : units) {
-    const bool is_there =
-        read_part(part_path(folder, run.units.noun, unit), run.units, unit).ok() &&
-        (!run.has_other_files || run.has_other_files(unit));
+    const auto part = read_part(part_path(folder, run.units.noun, unit), run.units, unit);
+    if (!part && part.error().code == ErrorCode::kFileUnwritable) return part.error();
+    const bool is_there = part.ok() && (!run.has_other_files || run.has_other_files(unit));
     (is_there ? outcome.kept : to_compute).push_back(unit);
     // A process that was killed as it completed the unit has left its journal.
     if (is_there) remove_journal(folder, run.units, unit);

@@ -68,7 +68,8 @@ struct DealtOutcome {
 
   std::uint64_t kept_trials = 0;  // of units that were not complete
   std::uint64_t trials_done = 0;  // of the units that are not done
-  OutputLock lock;                // of the folder: the caller may write the results there
+  // Of the folder and its subfolder `parts`: the caller may write the results there.
+  std::vector<OutputLock> locks;
 };
 
 // Computes the units for which the folder does not contain a part of this run yet. Each trial is

@@ -8,6 +8,11 @@ import {
 // Close codes of the server.
 const kWrongToken = 4401; // a token that came late has another code, and the page tries again
 const kTooManyPages = 1013;
+// Answers of the server to a request with a method that it does not know.
+const kForbidden = 403;
+const kNotAllowed = 405;
+// One connection that fails may be that of a server which has just started.
+const kFailuresOfProxy = 3;
 const kFirstDelay_ms = 250;
 const kLongestDelay_ms = 2000;
 const kTokenKey = "palpate-token ";
@@ -36,6 +41,7 @@ export type ConnectionState =
   | "full" // as many pages are open as the server admits; the page tries again
   | "new address" // the token is wrong: the server was restarted
   | "refused" // the server does not serve a page of this origin; the page tries again
+  | "no sockets" // a proxy passes requests, but no WebSocket; the page tries again
   | "no token" // the page was opened without the address that the program printed
   | "wrong version"; // the server speaks another version; only a reload helps
 
@@ -46,6 +52,21 @@ export interface ConnectionEvents {
   ticks(ticks: Ticks): void;
   status(status: Status): void;
   event(event: ServerEvent): void;
+}
+
+// How a connection ended.
+export interface End {
+  code: number;
+  wasOpen: boolean;
+  failures: number; // connections of this page up to this one, if none was ever open; else 0
+  status: number | null; // of the answer to a request that the server refuses; null: not asked, or none
+}
+
+export function stateAfter(end: End): ConnectionState {
+  if (end.code === kWrongToken) return "new address";
+  if (end.wasOpen) return end.code === kTooManyPages ? "full" : "lost";
+  if (end.status === kForbidden) return "refused";
+  return end.status === kNotAllowed && end.failures >= kFailuresOfProxy ? "no sockets" : "lost";
 }
 
 // Takes the token out of the address bar, or from the storage of this tab.
@@ -61,6 +82,8 @@ export function takeToken(): string | null {
 export class Connection {
   private socket: WebSocket | null = null;
   private isGreeted = false;
+  private hasOpened = false;
+  private failures = 0;
   private delay_ms = kFirstDelay_ms;
   private nextId = 1;
   private nextPointer = 1;
@@ -73,7 +96,7 @@ export class Connection {
     socket.binaryType = "arraybuffer";
     let isOpened = false;
     socket.onopen = () => {
-      isOpened = true;
+      isOpened = this.hasOpened = true;
       socket.send(JSON.stringify({ type: "token", token: this.token }));
     };
     socket.onmessage = (message) => this.receive(message.data as string | ArrayBuffer);
@@ -163,24 +186,24 @@ export class Connection {
 
   private async closed(code: number, wasOpen: boolean): Promise<void> {
     this.end();
-    if (code === kWrongToken) {
-      this.events.changed("new address");
-      return;
-    }
-    const isOurOrigin = wasOpen || !(await isRefused());
-    this.events.changed(!isOurOrigin ? "refused" : code === kTooManyPages ? "full" : "lost");
+    this.failures = this.hasOpened ? 0 : this.failures + 1;
+    const status = wasOpen ? null : await statusOfRefusal();
+    const state = stateAfter({ code, wasOpen, failures: this.failures, status });
+    this.events.changed(state);
+    if (state === "new address") return;
     setTimeout(() => this.open(), this.delay_ms);
     this.delay_ms = Math.min(2 * this.delay_ms, kLongestDelay_ms);
   }
 }
 
 // A page is not told why a WebSocket could not be opened. A request with a method that the server does
-// not answer carries the origin of the page, too; 403 means that the server does not accept it.
-async function isRefused(): Promise<boolean> {
+// not answer carries the origin of the page, too: 403 means that the server does not accept it, 405
+// that it does. null: the server cannot be reached.
+async function statusOfRefusal(): Promise<number | null> {
   try {
     const signal = AbortSignal.timeout(kLongestDelay_ms);
-    return (await fetch("live", { method: "POST", signal })).status === 403;
+    return (await fetch("live", { method: "POST", signal })).status;
   } catch {
-    return false; // the server cannot be reached
+    return null;
   }
 }

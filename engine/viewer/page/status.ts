@@ -24,6 +24,11 @@ const kConnectionWords: Record<ConnectionState, { short: string; notice: string 
     notice: `The server does not accept pages of ${globalThis.location?.origin}. ` +
       "Start palpate view with this after --allow-origin.",
   },
+  "no sockets": {
+    short: "Blocked",
+    notice: "A proxy between this page and palpate does not pass WebSockets. " +
+      "Set it up to pass the path /live as a WebSocket. Trying again\u2026",
+  },
   "no token": { short: "No access", notice: "Open the address that palpate view printed." },
   "wrong version": { short: "Reload", notice: "The server has another version. Reload this page." },
 };

@@ -332,6 +332,34 @@ TEST_F(DeviceRunProgram, RecordsWhatReplaysToTheBit) {
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
 }
 
+// The box is moved over the rest pose. The recording holds what was decided, and replays.
+TEST_F(DeviceRunProgram, ARecordingSaysThatTheHandBeganInside) {
+  const std::string inside = "the hand begins inside the closed surface of node \"node 0\"";
+  for (const std::string choice : {"leave", "stay"}) {
+    const std::string recording = folder.path(choice + ".palpate");
+    const Outcome outcome =
+        run_program(folder, arguments("2", {"--place", "0 -0.03 0 1 0 0 0", "--start-inside",
+                                            choice, "--record", recording}));
+    ASSERT_NE(outcome.out, "") << outcome.err;
+    const json result = json::parse(outcome.out);
+    EXPECT_EQ(result["start_inside"]["node"], "node 0") << outcome.err;
+    const Outcome info = run_program(folder, {"recording", "info", recording, "--json"});
+    const std::string expected =
+        inside + (choice == "stay" ? " and stays there; force begins"
+                                   : "; there is no force until it has left");
+    EXPECT_EQ(json::parse(info.out)[0]["start_inside"], expected);
+    const Outcome text = run_program(folder, {"recording", "info", recording});
+    EXPECT_NE(text.out.find("\n  start         " + expected + "\n"), std::string::npos) << text.out;
+    const Outcome replayed = run_program(folder, {"replay", recording});
+    EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+    open_board();
+  }
+  const std::string recording = folder.path("outside.palpate");
+  run_program(folder, arguments("2", {"--record", recording}));
+  const Outcome info = run_program(folder, {"recording", "info", recording, "--json"});
+  EXPECT_TRUE(json::parse(info.out)[0]["start_inside"].is_null()) << info.out;
+}
+
 TEST_F(DeviceRunProgram, WithoutAGuardTheRunWarnsAndWorks) {
   const StartedProgram started = start_pressed({"--no-guard"});
   ASSERT_NE(started.process, 0);

@@ -297,7 +297,8 @@ TEST_F(ExperimentCommandTest, AnInterruptedRunTellsHowToGoOn) {
     EXPECT_EQ(o.out, "");
     EXPECT_TRUE(std::regex_match(
         o.err, std::regex("palpate: interrupted; [12] of 3 participants are complete in " + out +
-                          "/parts(, with [1-3] trials? of other participants)?, and the same "
+                          "/parts(, 1 trial of an incomplete participant is kept there|, [2-3] "
+                          "trials of incomplete participants are kept there)?, and the same "
                           "command goes on from there\n")))
         << o.err;
     EXPECT_TRUE(results(out).empty());
@@ -335,7 +336,14 @@ TEST_F(ExperimentCommandTest, AFullDiskIsRefusedAndTheSameCommandGoesOn) {
   }
 }
 
+void expect_one_error(const Outcome& o, const std::string& part) {
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  EXPECT_NE(o.err.find(part), std::string::npos) << o.err;
+}
+
 TEST_F(ExperimentCommandTest, EveryCommandIsRefusedInAFolderThatAnotherOneHas) {
+  folder.write("way.txt", "0 0 0.1\n0 0 0.099\n");
   expect_done({"run", "plan.json", "--out", "before"});
   fs::create_directory(path("out"));
   const int held = ::open(path("out").c_str(), O_RDONLY | O_DIRECTORY);
@@ -365,8 +373,18 @@ TEST_F(ExperimentCommandTest, EveryCommandIsRefusedInAFolderThatAnotherOneHas) {
   const Outcome o = run_program(folder, {"compare", star, "--out", "compared"});
   EXPECT_EQ(o.exit_code, 2);
   EXPECT_NE(o.err.find("is in use"), std::string::npos) << o.err;
+  // One file in such a folder, and a folder inside the folder of a run.
+  expect_one_error(
+      run_program(folder, {"replay", star, "--trajectory", "way.txt", "--out", "out/trace.csv"}),
+      "out: is in use");
+  fs::create_directories(path("run/parts"));
+  const int parts = ::open(path("run/parts").c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(::flock(parts, LOCK_EX | LOCK_NB), 0);
+  expect_one_error(run_program(folder, {"experiment", "run", "plan.json", "--out", "run"}),
+                   "run/parts: --out: is in use");
   ::close(held);
   ::close(trials);
+  ::close(parts);
   expect_done({"run", "plan.json", "--out", "out"});
   EXPECT_EQ(results("out"), reference());
 }

@@ -174,6 +174,19 @@ def check_streams(palpate, models, place):
             check(case.contents() == before, f"{name} has changed by the refusal")
 
 
+def check_streams_of_results(palpate, models, place):
+    """Standard output that is appended to what a merge, or a run that goes on, reads of earlier runs."""
+    case = Case(palpate, models, place)
+    case.expect_done("experiment", "run", "plan.json", "--out", "done")
+    before = case.contents()
+    for name in ("participant-1.csv", "run.json"):
+        for arguments in (["merge", "done", "--out", "merged"], ["run", "plan.json", "--out", "done"]):
+            with open(case.folder / "done/parts" / name, "ab") as stream:
+                done = case.call("experiment", *arguments, stdout=stream, stderr=subprocess.PIPE)
+            check(done.returncode == 2 and "standard output" in done.stderr, f"{arguments}: {done.stderr}")
+            check(case.contents() == before, f"{arguments}: {name}: a file has changed")
+
+
 def check_leftovers(palpate, models, place):
     """Inputs that have the name of what a killed command leaves."""
     case = Case(palpate, models, place)
@@ -227,6 +240,7 @@ def main():
         check_files(palpate, models, place)
         check_folders(palpate, models, place)
         check_streams(palpate, models, place)
+        check_streams_of_results(palpate, models, place)
         check_leftovers(palpate, models, place)
         check_allowed(palpate, models, place)
 

@@ -407,6 +407,21 @@ TEST(RecordingCommand, AFullDiskKeepsWhatFitsAndSaysSo) {
   }
 }
 
+// A disk that is full before the recording begins.
+TEST(RecordingCommand, ADiskWithoutSpaceForARecordingIsNamed) {
+  const TemporaryFolder folder;
+  for (const rlim_t bytes : {1'000, 5'000, 12'288, 40'000}) {
+    const test::FileSizeLimit limit(bytes);
+    const Outcome o = run_program(
+        folder, {"run", kRecordedStar, "--virtual", "--seconds", "2", "--record", "a.palpate"});
+    EXPECT_EQ(o.exit_code, 2);
+    EXPECT_NE(o.err.find("a-off.palpate: cannot be written: the disk is full"), std::string::npos)
+        << bytes << o.err;
+    EXPECT_NE(o.err.find("(free disk space, or record on another disk)"), std::string::npos)
+        << bytes << o.err;
+  }
+}
+
 TEST(RecordingCommand, InfoIsASummaryAndHasTheKeysOnRequest) {
   const TemporaryFolder folder;
   record(folder, recorded_run("a.palpate"));

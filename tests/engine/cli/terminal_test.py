@@ -113,9 +113,39 @@ def check_experiments(palpate, models, folder):
     os.write(terminal.end, b"\x03")
     code, out = terminal.finish()
     check(code == 130 and out == "", f"exit code {code}: {terminal.text!r} {out!r}")
-    check(re.search(r"palpate: interrupted; \d+ of 1000 participants are complete in cut/parts(, with "
-                    "\d+ trials? of other participants)?, and the same command goes on from there", terminal.text), f"{terminal.text!r}")
+    check(re.search(r"palpate: interrupted; \d+ of 1000 participants are complete in cut/parts(, "
+                    r"\d+ trials? of (an )?incomplete participants? (is|are) kept there)?, and the same command goes on from there", terminal.text), f"{terminal.text!r}")
     check(not (pathlib.Path(folder) / "cut" / "trials.csv").exists(), "results of half a plan")
+
+
+def check_replays(palpate, models, folder):
+    """Replays, and commands that read a whole recording, show their progress, which ends at most at 100 %."""
+    (pathlib.Path(folder) / "way.txt").write_text("".join(f"{i * 1e-7} 0 0.1\n" for i in range(30_000)))
+    record = ["run", str(models / "star.glb"), "--virtual", "--seconds", "30", "--a4", "on", "--record",
+              "long.palpate", "--out", "recorded"]
+    done = subprocess.run([str(palpate), *record], cwd=folder, capture_output=True, text=True)
+    check(done.returncode in DONE, done.stderr)
+    for labels, arguments in (
+            (["replay", "writing the trace"], ["replay", "star.glb", "--trajectory", "way.txt", "--repeat", "2",
+                                               "--out", "trace.csv"]),
+            (["replay"], ["replay", "long.palpate"]),
+            (["replay"], ["replay", "long.palpate", "--damping", "5"]),
+            (["recording check"], ["recording", "check", "long.palpate"]),
+            (["recording repair"], ["recording", "repair", "long.palpate", "--out", "copy.palpate"]),
+            (["recording export"], ["recording", "export", "long.palpate", "--csv", "export.csv"])):
+        terminal = Terminal(palpate, models, folder, 80, "xterm", arguments)
+        code, out = terminal.finish()
+        text = terminal.text
+        check(code == 0 and out, f"{arguments}: {code}: {text!r}")
+        check("\x1b" not in text and "\n" not in text, f"{arguments}: not one line: {text!r}")
+        for label in labels:
+            shares = [int(share) for share in
+                      re.findall(rf"\r{label}(?:, [^\[\r]* left)? \[#* *\] +(\d+) %", text)]
+            check(len(shares) > 3 and shares == sorted(shares) and shares[-1] <= 100,
+                  f"{arguments}: {label}: {shares}: {text!r}")
+        quiet = subprocess.run([str(palpate), *[str(models / a) if a == "star.glb" else a for a in arguments]],
+                               cwd=folder, capture_output=True, text=True)
+        check("%" not in quiet.stderr, f"without a terminal: {quiet.stderr!r}")
 
 
 def main():
@@ -143,6 +173,7 @@ def main():
         check(re.search(r"interrupted +after [1-9]\d*\.\d\d s", out), out)
         check("palpate: interrupted;" in terminal.text, f"{terminal.text!r}")
         check_experiments(palpate, models, folder)
+        check_replays(palpate, models, folder)
         # Without a terminal on stderr.
         quiet = subprocess.run([str(palpate), "run", str(models / "star.glb"), "--virtual",
                                 "--seconds", "4"], cwd=folder, capture_output=True, text=True)

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
+#include <filesystem>
+#include <iterator>
 #include <string>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -149,17 +151,27 @@ TEST(ViewCommand, PrintsTheAddressThroughAProxyThatIsNamed) {
   }
 }
 
-// Strangers take every file that the process may open, and a page is served all the same.
+std::uint64_t open_files_of(pid_t process) {
+  const std::filesystem::directory_iterator files("/proc/" + std::to_string(process) + "/fd");
+  return static_cast<std::uint64_t>(std::distance(begin(files), end(files)));
+}
+
+// Strangers take every file that the process may open, and a page is served all the same: not after
+// those that came before it have been patient for five seconds each, four at a time.
 TEST(ViewCommand, ServesAPageWhenStrangersTakeAllFiles) {
   if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  constexpr int kStrangers = 200;
+  constexpr rlim_t kFilesLeft = 4;
+  static_assert(kStrangers / kFilesLeft * std::chrono::seconds(5) > 2 * test::kPatience);
   const TemporaryFolder folder;
   Serving serving(folder, {});
   ASSERT_GT(serving.port, 0);
   const auto port = static_cast<std::uint16_t>(serving.port);
-  const rlimit few{64, 64};
+  const rlim_t most = open_files_of(serving.process()) + kFilesLeft;
+  const rlimit few{most, most};
   ASSERT_EQ(::prlimit(serving.process(), RLIMIT_NOFILE, &few, nullptr), 0);
   std::vector<test::RawClient> crowd;
-  for (int i = 0; i < 200; ++i) crowd.emplace_back(port);
+  for (int i = 0; i < kStrangers; ++i) crowd.emplace_back(port);
   const std::string token = serving.address.substr(serving.address.find('#') + 1, 32);
   test::WebSocketClient page(port);
   page.send_text(R"({"type":"token","token":")" + token + "\"}");
@@ -202,6 +214,17 @@ TEST(ViewCommand, WarnsOfAnAddressThatOthersReach) {
   EXPECT_EQ(outcome.exit_code, 143);
   EXPECT_NE(outcome.err.find("warning: --listen: others on the network"), std::string::npos)
       << outcome.err;
+}
+
+TEST(ViewCommand, ServesAnotherLoopbackAddressWithoutAWarning) {
+  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  const TemporaryFolder folder;
+  Serving serving(folder, {"--listen", "127.0.0.2"});
+  const std::string host = "127.0.0.2:" + std::to_string(serving.port);
+  const std::string answer = test::answer_to(static_cast<std::uint16_t>(serving.port),
+                                             test::get_request("/page.js", host), "127.0.0.2");
+  EXPECT_EQ(test::status_of(answer), 200) << answer;
+  EXPECT_EQ(serving.end_with(SIGTERM).err.find("--listen"), std::string::npos);
 }
 
 }  // namespace

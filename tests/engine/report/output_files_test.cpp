@@ -17,6 +17,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/report/whole_file.h"
 #include "tests/helpers/deadly_rename.h"
 #include "tests/helpers/gltf_builder.h"
 
@@ -218,6 +219,12 @@ TEST_F(OutputFilesTest, AreRefusedWhileAnotherProcessHasTheFolder) {
     const auto refused = OutputFiles::create(folder.path(name), kNames);
     ASSERT_FALSE(refused) << name;
     EXPECT_EQ(refused.error().path, folder.path(name));
+    EXPECT_NE(refused.error().problem.find("is in use"), std::string::npos);
+  }
+  for (const char* const name : {"out/x.csv", "./out/x.csv", "link/x.csv"}) {
+    const auto refused = WholeFile::create(folder.path(name));
+    EXPECT_FALSE(refused) << name;
+    if (refused) continue;
     EXPECT_NE(refused.error().problem.find("is in use"), std::string::npos);
   }
   EXPECT_EQ(tree(), before);

@@ -49,6 +49,17 @@ TEST(ViewRules, HostNameIsThePartBeforeThePort) {
   }
 }
 
+TEST(ViewRules, EachLoopbackAddressIsOne) {
+  for (const char* own :
+       {"127.0.0.1", "127.0.0.2", "127.255.1.9", "::1", "0:0:0:0:0:0:0:1", "::ffff:127.0.0.1"}) {
+    EXPECT_TRUE(is_loopback(own)) << own;
+  }
+  for (const char* other : {"", "0.0.0.0", "128.0.0.1", "126.255.255.255", "::", "::2", "[::1]",
+                            "localhost", "127.0.0.1.example", "::ffff:128.0.0.1"}) {
+    EXPECT_FALSE(is_loopback(other)) << other;
+  }
+}
+
 TEST(ViewRules, OriginsAreEqualInEachSpelling) {
   const WebOrigin lab{true, "lab.example", 443};
   for (const char* same : {"https://lab.example", "HTTPS://Lab.Example", "https://lab.example:443",

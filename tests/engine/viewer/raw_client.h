@@ -27,11 +27,12 @@ inline constexpr auto kPatience = std::chrono::seconds(60);
 // A blocking connection to a port of this machine.
 class RawClient {
  public:
-  explicit RawClient(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit RawClient(std::uint16_t port, const char* address_text = "127.0.0.1")
+      : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    ::inet_pton(AF_INET, address_text, &address.sin_addr);
     if (::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
       throw std::runtime_error(std::string("no connection: ") + std::strerror(errno));
     }
@@ -127,8 +128,9 @@ class RawClient {
 };
 
 // The whole answer to one request.
-inline std::string answer_to(std::uint16_t port, const std::string& request) {
-  RawClient client(port);
+inline std::string answer_to(std::uint16_t port, const std::string& request,
+                             const char* address = "127.0.0.1") {
+  RawClient client(port, address);
   client.send(request);
   return client.read_to_end();
 }
@@ -193,6 +195,7 @@ class WebSocketClient {
 
   bool send_text(std::string_view text) { return raw.send(frame(1, text)); }
   bool send_binary(std::string_view bytes) { return raw.send(frame(2, bytes)); }
+  bool send_close() { return raw.send(frame(8, "\x03\xe9")); }  // code 1001
 
   // The next frame; no value at the end of the connection.
   std::optional<WebSocketMessage> read() {

@@ -419,8 +419,8 @@ TEST(ViewAttack, WrongTokenIsRefused) {
 TEST(ViewAttack, TokenInAnAddressIsOfNoUse) {
   ServedModel served;
   for (const std::string& target :
-       Texts{"/felt.glb?token=" + served.token, "/felt.glb?" + served.token, "/?" + served.token,
-             "/" + served.token, "/felt.glb?full&" + served.token, "/live?token=" + served.token}) {
+       Texts{"/felt.glb?token=" + served.token, "/felt.glb?" + served.token, "/" + served.token,
+             "/felt.glb?full&" + served.token, "/live?token=" + served.token}) {
     EXPECT_EQ(status_of(answer_to(served.port, get_request(target, served.host))), 404) << target;
     EXPECT_EQ(status_of(answer_to(served.port, WebSocketClient::handshake(
                                                    served.host, "http://" + served.host, target))),
@@ -428,6 +428,42 @@ TEST(ViewAttack, TokenInAnAddressIsOfNoUse) {
         << target;
   }
   expect_served(served);
+}
+
+TEST(ViewServer, SaysThatAProcessMayOpenTooFewFiles) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  for (const rlim_t files : {100, 143, 144}) {
+    rlimit few = before;
+    few.rlim_cur = files;
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+    const auto problem = ViewServer::files_problem();
+    ::setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_EQ(problem.has_value(), files < 144) << files;
+    if (problem) {
+      EXPECT_NE(problem->find("may open " + std::to_string(files) + " files"), std::string::npos);
+    }
+  }
+}
+
+TEST(ViewServer, IgnoresAQueryOfThePage) {
+  ServedModel served;
+  for (const std::string& target : Texts{"/?x=1", "/?", "/?" + served.token, "/?/../x?y"}) {
+    EXPECT_NE(answer_to(served.port, get_request(target, served.host)).find("the page"),
+              std::string::npos)
+        << target;
+  }
+}
+
+// The client ends its half only: the next page need not wait until the connection ends.
+TEST(ViewServer, PassesControlWhenThePageInControlBeginsToClose) {
+  ServedModel served;
+  Page leaving(served);
+  Page next(served);
+  leaving.send_close();
+  next.read_text_with("the page in control has left; this page is in control now");
+  // The first status after it still counts both: the connection has not ended.
+  EXPECT_NE(next.read_text_with("\"status\"").find("\"clients\":2"), std::string::npos);
 }
 
 TEST(ViewAttack, WatcherChangesNothing) {
@@ -473,7 +509,8 @@ TEST(ViewAttack, OtherMethodsAreRefused) {
   }
   const std::string body = answer_to(
       served.port, "POST / HTTP/1.1\r\nHost: " + served.host + "\r\nContent-Length: 9\r\n\r\n");
-  EXPECT_TRUE(status_of(body) == 413 || status_of(body) == 405) << body;
+  EXPECT_EQ(status_of(body), 405) << body;
+  EXPECT_NE(body.find("\r\nAllow: GET, HEAD\r\n"), std::string::npos) << body;
   expect_served(served);
 }
 

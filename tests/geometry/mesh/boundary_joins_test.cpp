@@ -283,6 +283,19 @@ TEST(BoundaryJoins, ManyEdgesAtFewPointsTakeBoundedWork) {
   EXPECT_EQ(joined(soup).report().dropped_degenerate, exact.report().dropped_degenerate);
 }
 
+// Triangles that all cross each other have edges that pass many vertices.
+TEST(BoundaryJoins, LongEdgesOfManyTrianglesTakeBoundedWork) {
+  Random random(4610);
+  Soup soup;
+  constexpr std::size_t kTriangles = 40000;
+  for (std::size_t i = 0; i < kTriangles; ++i) {
+    soup.add(random.in_box(1.0), random.in_box(1.0), random.in_box(1.0));
+  }
+  const BoundaryJoins joins = find_boundary_joins(WeldedSurface(soup.positions, soup.triangles));
+  EXPECT_LE(joins.examined_leaves, (std::size_t{1} << 21) + 2 * 6 * kTriangles);
+  EXPECT_GT(joins.capped_edges, 0u);
+}
+
 // Every edge on a line passes all vertices of the shorter ones.
 TEST(BoundaryJoins, EdgesThatPassAllVerticesTakeBoundedWorkAndAreCounted) {
   const auto nested = [](int count) {

@@ -15,6 +15,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/base64.h"
+#include "io/gltf/byte_ranges.h"
 #include "io/gltf/file.h"
 #include "io/gltf/json_scan.h"
 #include "io/gltf/limits.h"
@@ -334,7 +336,7 @@ TEST(HostileGltf, ValuesOutsideTheElementsOfGltfMayNotFillTheMemory) {
 }
 
 TEST(HostileGltf, EqualMeshesOfManyTrianglesAreReadOnce) {
-  constexpr std::size_t kTriangles = kMaxGltfRepeatedTriangles / 2;
+  constexpr std::size_t kTriangles = kMaxGltfRepeatedTriangles / 2 - kGltfTrianglesPerMesh;
   GltfBuilder asset;
   const auto positions = asset.add_positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   std::vector<std::uint32_t> corners;
@@ -359,6 +361,275 @@ TEST(HostileGltf, EqualMeshesOfManyTrianglesAreReadOnce) {
                                    : i < 3          ? static_cast<std::uint32_t>(i)
                                                     : 0u);
   }
+}
+
+TEST(HostileGltf, EqualMeshesOfFewTrianglesAreReadOnceToo) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  constexpr std::size_t kRead = kMaxGltfRepeatedTriangles / (1 + kGltfTrianglesPerMesh);
+  Json& meshes = asset.json["meshes"];
+  const Json mesh = meshes[0];
+  for (std::size_t i = 1; i < kRead + 100; ++i) {
+    meshes.push_back(mesh);
+    asset.add_node({{"mesh", i}});
+  }
+  EXPECT_EQ(read_or_fail(asset.glb_bytes()).meshes.size(), 1 + kRead);
+}
+
+// --- Mesh data that are read again ---------------------------------------------------------------
+
+// A mesh of many triangles with equal corners, which has a skin and a morph target.
+struct RepeatedMesh {
+  static constexpr std::size_t kTriangles = std::size_t{1} << 14;
+  GltfBuilder asset;
+  Json primitive;
+
+  RepeatedMesh() {
+    const auto positions = asset.add_positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    std::vector<std::uint32_t> corners;
+    for (std::size_t i = 0; i < 3 * kTriangles; ++i) {
+      corners.push_back(static_cast<std::uint32_t>(i % 3));
+    }
+    primitive = {{"attributes", {{"POSITION", positions}}},
+                 {"indices", asset.add_indices(corners)},
+                 {"targets", Json::array({{{"POSITION", positions}}})}};
+  }
+
+  // Bytes of all views, which the mesh uses.
+  std::uint64_t bytes() const {
+    std::uint64_t sum = 0;
+    for (const Json& view : asset.json["bufferViews"]) {
+      sum += view["byteLength"].get<std::uint64_t>();
+    }
+    return sum;
+  }
+
+  void add_skin_attributes() {
+    const auto joints =
+        asset.add_accessor(asset.add_view(test::bytes_of(std::vector<std::uint8_t>(12, 0))),
+                           GltfBuilder::kUnsignedByte, 3, "VEC4");
+    const auto weights = asset.add_accessor(
+        asset.add_view(test::bytes_of(std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0})),
+        GltfBuilder::kFloat, 3, "VEC4");
+    primitive["attributes"]["JOINTS_0"] = joints;
+    primitive["attributes"]["WEIGHTS_0"] = weights;
+  }
+};
+
+// The most meshes or poses of RepeatedMesh that are read.
+std::size_t most_of(std::size_t most_triangles) {
+  return most_triangles / (RepeatedMesh::kTriangles + kGltfTrianglesPerMesh);
+}
+
+// The largest memory of so many meshes of RepeatedMesh in a description.
+std::size_t bytes_of_meshes(std::size_t count) {
+  return kBaseBytes + count * RepeatedMesh::kTriangles * sizeof(Triangle);
+}
+
+TEST(HostileGltf, ACrowdIsWithinTheLimitOfPoses) {
+  constexpr std::size_t kTriangles = 50'000;
+  constexpr std::size_t kVertices = kTriangles / 2;  // positions, four joints, four float weights
+  constexpr std::uint64_t kBytes = kVertices * (12 + 4 + 16) + kTriangles * 3 * 4;
+  EXPECT_GE(most_gltf_posed_triangles(kBytes), 100 * (kTriangles + kGltfTrianglesPerMesh));
+}
+
+TEST(HostileGltf, PosesOfOneMeshAreLimitedByItsData) {
+  for (const bool has_skins : {false, true}) {
+    SCOPED_TRACE(has_skins);
+    RepeatedMesh repeated;
+    GltfBuilder& asset = repeated.asset;
+    if (has_skins) repeated.add_skin_attributes();
+    asset.add_mesh(Json::array({repeated.primitive}));
+    const std::size_t most = most_of(most_gltf_posed_triangles(repeated.bytes()));
+    asset.json["nodes"] = Json::array();
+    const auto add_pose = [&](std::size_t i) {
+      if (has_skins) {
+        asset.json["skins"].push_back({{"joints", {0}}});
+        asset.add_node({{"mesh", 0}, {"skin", i}});
+      } else {
+        asset.add_node({{"mesh", 0}, {"weights", {static_cast<double>(1 + i)}}});
+      }
+    };
+    for (std::size_t i = 0; i < most; ++i) add_pose(i);
+    const Outcome read = read_measured(asset.glb_bytes(), "/nowhere");
+    ASSERT_TRUE(read.scene.ok()) << read.scene.error().to_string();
+    EXPECT_EQ(read.scene->meshes.size(), most);
+    for (std::size_t i = most; i < 3 * most; ++i) add_pose(i);
+    const Outcome refused = read_measured(asset.glb_bytes(), "/nowhere");
+    ASSERT_FALSE(refused.scene.ok());
+    EXPECT_EQ(refused.scene.error().code, ErrorCode::kLimitExceeded);
+    EXPECT_EQ(refused.scene.error().element, "/nodes/" + std::to_string(most));
+    EXPECT_LT(refused.peak_bytes, bytes_of_meshes(most + 1));
+  }
+}
+
+TEST(HostileGltf, MeshesAndPrimitivesThatReadDataAgainAreLimited) {
+  for (const bool one_mesh : {false, true}) {
+    SCOPED_TRACE(one_mesh);
+    RepeatedMesh repeated;
+    GltfBuilder& asset = repeated.asset;
+    repeated.primitive.erase("targets");
+    const std::size_t limit = most_gltf_triangles(repeated.bytes());
+    const std::size_t most =
+        one_mesh ? (limit - kGltfTrianglesPerMesh) / RepeatedMesh::kTriangles : most_of(limit);
+    Json primitives = Json::array();
+    for (std::size_t i = 0; i < 3 * most; ++i) {
+      repeated.primitive["material"] = i;
+      asset.json["materials"].push_back(Json::object());
+      primitives.push_back(repeated.primitive);
+    }
+    if (one_mesh) {
+      asset.add_node({{"mesh", asset.add_mesh(primitives)}});
+    } else {
+      for (const Json& primitive : primitives) {
+        asset.add_node({{"mesh", asset.add_mesh(Json::array({primitive}))}});
+      }
+    }
+    const Outcome refused = read_measured(asset.glb_bytes(), "/nowhere");
+    ASSERT_FALSE(refused.scene.ok());
+    EXPECT_EQ(refused.scene.error().code, ErrorCode::kLimitExceeded);
+    EXPECT_EQ(refused.scene.error().element,
+              one_mesh ? "/meshes/0/primitives/" + std::to_string(most)
+                       : "/meshes/" + std::to_string(most) + "/primitives/0");
+    EXPECT_LT(refused.peak_bytes, bytes_of_meshes(2 * most));  // an array grows by doubling
+  }
+}
+
+TEST(HostileGltf, BytesThatAreReadAgainCountOnce) {
+  test::Random random(4610);
+  for (int draw = 0; draw < 100; ++draw) {
+    ByteRanges ranges;
+    std::vector<bool> is_in(200, false);
+    for (int i = 0; i < 30; ++i) {
+      const std::size_t begin = random.index(200);
+      const std::size_t end = begin + random.index(201 - begin);
+      ranges.add(begin, end);
+      std::fill(is_in.begin() + static_cast<std::ptrdiff_t>(begin),
+                is_in.begin() + static_cast<std::ptrdiff_t>(end), true);
+      ASSERT_EQ(ranges.total(),
+                static_cast<std::uint64_t>(std::count(is_in.begin(), is_in.end(), true)));
+    }
+  }
+}
+
+TEST(HostileGltf, NodesOfASmallFileAreCountedBeforeTheyAreParsed) {
+  const auto nodes = [](std::size_t count) {
+    return "{" + kAsset + R"(,"nodes":)" + list_of(R"({"name":"a"})", count) + "}";
+  };
+  const std::string few = nodes(most_gltf_nodes(0));
+  EXPECT_EQ(read_measured(few, "/nowhere").scene.error().code, ErrorCode::kEmptyScene);
+  const std::string many = nodes(most_gltf_nodes(few.size()) + 1000);
+  const Outcome refused = read_measured(many, "/nowhere");
+  ASSERT_FALSE(refused.scene.ok());
+  EXPECT_EQ(refused.scene.error().code, ErrorCode::kLimitExceeded);
+  EXPECT_EQ(refused.scene.error().element, "/nodes");
+  EXPECT_LT(refused.peak_bytes, std::size_t{1} << 20);
+}
+
+TEST(HostileGltf, ScenesAndAnimationsAreCountedBeforeTheyAreParsed) {
+  for (const std::string list : {"scenes", "animations"}) {
+    const std::string text =
+        "{" + kAsset + ",\"" + list + "\":" + list_of("{}", kMaxGltfScenes + 1) + "}";
+    const Outcome refused = read_measured(text, "/nowhere");
+    ASSERT_FALSE(refused.scene.ok());
+    EXPECT_EQ(refused.scene.error().code, ErrorCode::kLimitExceeded);
+    EXPECT_EQ(refused.scene.error().element, "/" + list);
+    EXPECT_LT(refused.peak_bytes, std::size_t{1} << 20);
+  }
+}
+
+// --- Long texts that are not parsed --------------------------------------------------------------
+
+// The memory beside the file that reading it takes.
+std::size_t bytes_beside_file(const std::string& path, Result<SceneDescription>& scene) {
+  const test::PeakMemory memory;
+  scene = read_gltf(path);
+  const std::size_t peak = memory.bytes();
+  return peak - std::min<std::size_t>(peak, std::filesystem::file_size(path));
+}
+
+TEST(HostileGltf, LongRunsOfSpacesTakeNoMemoryBesideTheFile) {
+  const std::string spaces(std::size_t{8} << 20, ' ');
+  const TemporaryFolder folder;
+  const std::string path =
+      folder.write("a.gltf", triangle_with("\"extras\":[" + spaces + "1," + spaces + "2]"));
+  Result<SceneDescription> scene = SceneDescription{};
+  EXPECT_LT(bytes_beside_file(path, scene), std::size_t{1} << 20);
+  EXPECT_TRUE(scene.ok());
+}
+
+TEST(HostileGltf, LongDataOfDataUrisTakeNoMemoryBesideTheFile) {
+  GltfBuilder asset = GltfBuilder::one_triangle();
+  const SceneDescription expected = read_or_fail(asset.data_uri_text());
+  asset.add_view(std::string(std::size_t{6} << 20, '\x5a'));  // the buffer becomes long
+  std::string text = asset.data_uri_text();
+  const std::string image = std::string(std::size_t{8} << 20, 'A') + "-";
+  text.replace(text.size() - 1, 1,
+               ",\"images\":[{\"uri\":\"data:image/png;base64," + image + "\"}]}");
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.gltf", text);
+  Result<SceneDescription> scene = SceneDescription{};
+  EXPECT_LT(bytes_beside_file(path, scene), std::size_t{1} << 20);
+  ASSERT_TRUE(scene.ok()) << scene.error().to_string();
+  EXPECT_EQ(scene->meshes.at(0).positions, expected.meshes.at(0).positions);
+  EXPECT_EQ(scene->meshes.at(0).triangles, expected.meshes.at(0).triangles);
+  EXPECT_EQ(read_or_fail(text).meshes.at(0).positions, expected.meshes.at(0).positions)
+      << "from memory that must not be changed";
+}
+
+TEST(HostileGltf, DataOfDataUrisStayWhatTheyAre) {
+  const TemporaryFolder folder;
+  const std::string long_image = "\"images\":[{\"uri\":\"data:image/png;base64," +
+                                 std::string(std::size_t{2} << 20, 'A') + "\"}]}";
+  const auto error_of = [&](const std::string& data) {
+    const std::string text = "{" + kAsset +
+                             R"(,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[)"
+                             R"({"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[)"
+                             R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+                             R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[)"
+                             R"({"byteLength":36,"uri":"data:;base64,)" +
+                             data + "\"}]," + long_image;
+    const auto scene = read_gltf(folder.write("a.gltf", text));
+    return scene.ok() ? "read" : scene.error().to_string();
+  };
+  const std::string zeros(48, 'A');
+  EXPECT_EQ(error_of(zeros), "read");
+  // What the parser gets in the place of long data is not base64 if a file states it.
+  for (const std::string& data :
+       {std::string("*0"), std::string("*1"), zeros + "*", std::string(3 << 20, 'A') + "-"}) {
+    EXPECT_NE(error_of(data).find("/buffers/0/uri: the data URI is not valid base64"),
+              std::string::npos)
+        << error_of(data).substr(0, 300);
+  }
+}
+
+TEST(HostileGltf, Base64IsDecodedInItsPlace) {
+  test::Random random(4611);
+  for (std::size_t size = 1; size < 200; ++size) {
+    std::string bytes(size, '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random.index(256));
+    std::string text = test::base64_encoded(bytes);
+    if (random.index(2) == 0) text.erase(text.find_last_not_of('=') + 1);
+    std::string in_place = text;
+    auto* begin = reinterpret_cast<std::uint8_t*>(in_place.data());
+    ASSERT_EQ(base64_size(text), size);
+    ASSERT_TRUE(decode_base64(in_place, begin));
+    EXPECT_EQ(in_place.substr(0, size), bytes);
+    const std::size_t digits = text.find_last_not_of('=') + 1;
+    text[random.index(digits)] = "-_ =*\x80"[random.index(6)];
+    std::vector<std::uint8_t> decoded(size + 3);
+    EXPECT_FALSE(base64_size(text) == size && decode_base64(text, decoded.data())) << text;
+  }
+  EXPECT_EQ(base64_size("AAAAA"), std::nullopt);
+}
+
+TEST(HostileGltf, StringsAreLimitedTogether) {
+  const std::string name(kMaxGltfStringBytes / 2, 'n');
+  const std::size_t most = kMaxGltfStringBytesInAll / name.size();
+  const Outcome outcome =
+      read_measured(triangle_with("\"extras\":" + list_of("\"" + name + "\"", most)), "/nowhere");
+  ASSERT_FALSE(outcome.scene.ok());
+  EXPECT_EQ(outcome.scene.error().code, ErrorCode::kLimitExceeded);
+  EXPECT_LT(outcome.peak_bytes, std::size_t{1} << 20);
 }
 
 TEST(HostileGltf, OnlyDataUrisMayBeVeryLongStrings) {

@@ -43,7 +43,8 @@ function selfSigned() {
 }
 
 // options.passesHost: the server gets the browser's Host, not its own. options.password: what the
-// proxy asks for, as NAME:PASSWORD.
+// proxy asks for, as NAME:PASSWORD. options.dropsSockets: a request for a WebSocket becomes a plain
+// one, as in a proxy that is not set up for WebSockets.
 export async function openProxy(options = {}) {
   const ports = new Map(); // by prefix, such as "/lab/palpate"
   const sockets = new Set();
@@ -57,9 +58,14 @@ export async function openProxy(options = {}) {
     }
     return null;
   };
-  const headersFor = (asked, port) => ({
-    ...asked.headers, host: options.passesHost ? asked.headers.host : `127.0.0.1:${port}`,
-  });
+  const headersFor = (asked, port) => {
+    const headers = { ...asked.headers, host: options.passesHost ? asked.headers.host : `127.0.0.1:${port}` };
+    if (options.dropsSockets) {
+      delete headers.upgrade;
+      delete headers.connection;
+    }
+    return headers;
+  };
 
   const server = createServer(selfSigned(), (asked, answer) => {
     if (expected && asked.headers.authorization !== expected) {
@@ -80,7 +86,7 @@ export async function openProxy(options = {}) {
     far.on("error", () => answer.destroy());
     asked.pipe(far);
   });
-  server.on("upgrade", (asked, near) => {
+  if (!options.dropsSockets) server.on("upgrade", (asked, near) => {
     const target = targetOf(asked.url);
     socketsAsked.push(asked.url);
     if (!target || (expected && asked.headers.authorization !== expected)) return near.destroy();

@@ -64,6 +64,18 @@ test("the page works through a proxy that asks for a password", async () => {
   await proxy.close();
 });
 
+test("a proxy that passes no WebSockets is named", async () => {
+  const proxy = await openProxy({ dropsSockets: true });
+  const server = await view("--allow-origin", proxy.origin);
+  const page = await openPage(browser, proxy.lead("/lab", server.address), { context: kTrusting });
+  await page.locator("#connection-notice").filter({ hasText: "does not pass WebSockets" }).waitFor();
+  assert.equal(await page.locator("#connection").textContent(), "Blocked");
+  assertClean(page, /WebSocket connection to|Failed to load resource/);
+  await page.context().close();
+  await server.stop();
+  await proxy.close();
+});
+
 test("an origin that is not allowed is named, and works once it is", async () => {
   const proxy = await openProxy();
   const first = await view("--allow-origin", proxy.origin.replace("https", "http"));

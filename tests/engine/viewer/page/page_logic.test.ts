@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { Quaternion, Vector3 } from "three";
 
 import { arrowOf } from "@page/contact_drawing.ts";
-import { liveAddress } from "@page/connection.ts";
+import { liveAddress, stateAfter } from "@page/connection.ts";
 import { sliderScale } from "@page/controls.ts";
 import { displayOf, touchOf } from "@page/display.ts";
 import { roundStep } from "@page/felt_scene.ts";
@@ -55,6 +55,20 @@ test("the live connection has the scheme, the host and the folder of the page", 
     ["http://[2001:db8::1]:80/x/", "ws://[2001:db8::1]/x/live"],
   ];
   for (const [page, live] of expected) assert.equal(liveAddress(page ?? ""), live);
+});
+
+test("a connection that ended says why, and names a proxy that passes no WebSockets", () => {
+  const failed = { code: 1006, wasOpen: false, failures: 3, status: 405 };
+  assert.equal(stateAfter(failed), "no sockets");
+  assert.equal(stateAfter({ ...failed, failures: 2 }), "lost"); // a server that has just started
+  assert.equal(stateAfter({ ...failed, failures: 0 }), "lost"); // a connection was open before
+  assert.equal(stateAfter({ ...failed, status: null }), "lost"); // no server
+  assert.equal(stateAfter({ ...failed, status: 502 }), "lost"); // a proxy without its server
+  assert.equal(stateAfter({ ...failed, status: 403 }), "refused");
+  assert.equal(stateAfter({ ...failed, code: 4401 }), "new address");
+  const ended = { code: 1006, wasOpen: true, failures: 0, status: null };
+  assert.equal(stateAfter(ended), "lost");
+  assert.equal(stateAfter({ ...ended, code: 1013 }), "full");
 });
 
 test("a state is decoded at the offsets of its layout", () => {
