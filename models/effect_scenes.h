@@ -1,6 +1,6 @@
 #pragma once
 
-// One scene for each haptic effect, and a gallery of all effects. models/README.md describes what
+// One scene for each haptic effect, and a gallery of all effects. models/MODELS.md describes what
 // each scene declares and how it feels.
 //
 // Frame: scene, metres; slabs lie in the x-y plane and z is up, as in the model of the thin plate.

@@ -14,7 +14,7 @@ struct ModelFile {
   std::string bytes;
 };
 
-// All .glb files of models/, as described in models/README.md. Deterministic: the same bytes on
+// All .glb files of models/, as described in models/MODELS.md. Deterministic: the same bytes on
 // every run and platform. Not for the haptic thread. Thread-safe.
 Result<std::vector<ModelFile>> model_files();
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// extras.palpate_contour of a node (models/README.md): the start and the end of a turn around the
+// extras.palpate_contour of a node (models/MODELS.md): the start and the end of a turn around the
 // contour of an object.
 
 #include <string>

@@ -398,7 +398,7 @@ TEST(PaperObjects, HaveAMeanAngleAbove42DegreesToAFixedLineInEveryOrientation) {
   }
 }
 
-// The ranges in models/README.md, and the bound of 33 deg that the evaluation assumes.
+// The ranges in models/MODELS.md, and the bound of 33 deg that the evaluation assumes.
 TEST(PaperObjects, HaveASmallMeanAngleToTheAxisWithAlignment) {
   const std::array<std::array<double, 2>, 4> range_deg = {
       {{8.0, 10.0}, {22.9, 24.8}, {21.3, 23.2}, {17.9, 19.8}}};
