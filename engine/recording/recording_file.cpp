@@ -3,13 +3,16 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <filesystem>
 #include <sys/stat.h>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 
 #include "engine/recording/log_space.h"
 #include "engine/recording/recording_schema.h"
 #include "engine/recording/sqlite_handles.h"
+#include "engine/report/output_lock.h"
 
 namespace palpate {
 namespace {
@@ -61,6 +64,19 @@ std::optional<Error> create_empty(const std::string& path) {
                exists ? "remove the file or choose another name" : ""};
 }
 
+// Keeps commands that want the folder for themselves out of it.
+Result<OutputLock> lock_folder_of(const std::string& path) {
+  const auto parent = std::filesystem::path(path).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  std::error_code failed;
+  if (!std::filesystem::is_directory(folder, failed)) return OutputLock();
+  auto taken = OutputLock::take(folder, FolderUse::kFile);
+  if (taken) return taken;
+  Error error = taken.error();
+  error.element.clear();  // the path is not the option for a folder
+  return error;
+}
+
 void remove_all(const std::string& path) {
   for (const char* ending : {"-wal", "-journal", ""}) ::unlink((path + ending).c_str());
 }
@@ -91,6 +107,7 @@ bool bind_value(sqlite3_stmt* statement, int index, std::span<const std::byte> b
 
 struct RecordingFile::State {
   std::string path;
+  OutputLock folder;  // of the file
   ino_t inode = 0;
   Database database;
   Statement block, event, meta;
@@ -223,9 +240,12 @@ RecordingFile::~RecordingFile() = default;
 
 Result<RecordingFile> RecordingFile::create(const std::string& path, const RecordingMeta& meta,
                                             const char* file_system, int log_pages) {
+  auto folder = lock_folder_of(path);
+  if (!folder) return folder.error();
   if (auto error = create_empty(path)) return *error;
   RecordingFile file(std::make_unique<State>());
   file.state_->path = path;
+  file.state_->folder = std::move(*folder);
   auto error = file.state_->check_space();
   if (!error) error = file.state_->open(file_system);
   file.state_->log_pages = log_pages;

@@ -13,12 +13,14 @@ namespace palpate {
 
 enum class FolderUse : std::uint8_t {
   kAlone,  // no other command may write there
-  kShared  // other commands that also share the folder may, such as shards of one run
+  kShard,  // other commands with this use may, which are shards of one run
+  kFile    // others with this use may: each writes a file that it names, among any other files
 };
 
 // The lock of a folder. It leaves nothing in the folder. It ends when the last copy is destroyed or
 // with the process, however the process ends; a program that the process starts does not have it. A
-// process can take the lock of one folder several times; kAlone is then the stronger use.
+// process can take the lock of one folder several times; the first use but kFile then stays, and
+// kAlone is the strongest.
 // Thread-safe.
 class OutputLock {
  public:

@@ -46,6 +46,22 @@ bool is_part_of(const std::string& name, const std::string& target_name) {
   return numbers.find_first_not_of("0123456789-") == std::string::npos;
 }
 
+// Whether another process has locked a file that would be replaced, or the file of which it is the
+// log: the recorder and other programs that use SQLite lock their files so.
+bool is_locked_by_another(std::string path) {
+  for (const std::string_view log : {"-wal", "-shm", "-journal"}) {
+    if (path.ends_with(log)) path.resize(path.size() - log.size());
+  }
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor < 0) return false;
+  struct flock lock = {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  const bool is_known = ::fcntl(descriptor, F_OFD_GETLK, &lock) == 0;
+  ::close(descriptor);
+  return is_known && lock.l_type != F_UNLCK;
+}
+
 // Removes temporary files that killed writers of this file have left. An error if one of them is an
 // input of the program.
 std::optional<Error> remove_leftovers(const std::string& target_path) {
@@ -96,6 +112,11 @@ class WholeFile::Output {
     if (reason != 0) return write_error(path_, reason);
     if (descriptor_ >= 0) return std::nullopt;  // not a regular file
     if (auto error = lock_folder()) return error;
+    if (is_locked_by_another(target_path_)) {
+      return Error{ErrorCode::kFileUnwritable, path_, "",
+                   "is in use: another command is writing it",
+                   "wait until that command has ended, or choose another file"};
+    }
     if (auto error = remove_leftovers(target_path_)) return error;
     if (const int failure = open_part()) return write_error(path_, failure);
     return std::nullopt;
@@ -152,7 +173,7 @@ class WholeFile::Output {
     const std::string folder = parent.empty() ? "." : parent.string();
     std::error_code failed;
     if (!fs::is_directory(folder, failed)) return std::nullopt;  // open_part() fails
-    auto taken = OutputLock::take(folder, FolderUse::kShared);
+    auto taken = OutputLock::take(folder, FolderUse::kFile);
     if (!taken) {
       Error error = taken.error();
       error.element.clear();  // the path is not the option for a folder
