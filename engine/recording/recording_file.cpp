@@ -3,9 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <filesystem>
 #include <sys/stat.h>
-#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -62,19 +60,6 @@ std::optional<Error> create_empty(const std::string& path) {
                                      : std::string("cannot be created: ") + std::strerror(errno);
   return Error{ErrorCode::kFileUnwritable, path, "", problem,
                exists ? "remove the file or choose another name" : ""};
-}
-
-// Keeps commands that want the folder for themselves out of it.
-Result<OutputLock> lock_folder_of(const std::string& path) {
-  const auto parent = std::filesystem::path(path).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
-  std::error_code failed;
-  if (!std::filesystem::is_directory(folder, failed)) return OutputLock();
-  auto taken = OutputLock::take(folder, FolderUse::kFile);
-  if (taken) return taken;
-  Error error = taken.error();
-  error.element.clear();  // the path is not the option for a folder
-  return error;
 }
 
 void remove_all(const std::string& path) {
@@ -240,7 +225,7 @@ RecordingFile::~RecordingFile() = default;
 
 Result<RecordingFile> RecordingFile::create(const std::string& path, const RecordingMeta& meta,
                                             const char* file_system, int log_pages) {
-  auto folder = lock_folder_of(path);
+  auto folder = OutputLock::take_for_file(path);
   if (!folder) return folder.error();
   if (auto error = create_empty(path)) return *error;
   RecordingFile file(std::make_unique<State>());

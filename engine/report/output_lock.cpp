@@ -124,6 +124,18 @@ Result<OutputLock> OutputLock::take(const std::string& folder, FolderUse use) {
   return OutputLock(std::move(held));
 }
 
+Result<OutputLock> OutputLock::take_for_file(const std::string& path) {
+  const auto parent = std::filesystem::path(path).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  std::error_code failed;
+  if (!std::filesystem::is_directory(folder, failed)) return OutputLock();
+  auto taken = take(folder, FolderUse::kFile);
+  if (taken) return taken;
+  Error error = taken.error();
+  error.element.clear();
+  return error;
+}
+
 bool OutputLock::is_at(const std::string& folder) const {
   if (!held_) return true;
   struct stat there = {};

@@ -28,6 +28,10 @@ class OutputLock {
   // error, the lock is not held where the file system has no locks (unlocked_folders()).
   static Result<OutputLock> take(const std::string& folder, FolderUse use);
 
+  // The lock kFile of the folder of a file; of no folder if that folder does not exist. An error
+  // has no element, because the path is not that of an option for a folder.
+  static Result<OutputLock> take_for_file(const std::string& path);
+
   OutputLock() = default;  // of no folder
 
   // Whether the folder still has its name: another command may have removed it before the lock was
