@@ -116,7 +116,8 @@ bool has_ambiguous_comma(std::string_view line) {
   bool has_decimal = false;
   bool has_bare_blank = false;
   for (std::size_t i = 1; i + 1 < line.size(); ++i) {
-    if (line[i] == ',') has_decimal |= is_decimal_digit(line[i - 1]) && is_decimal_digit(line[i + 1]);
+    if (line[i] == ',')
+      has_decimal |= is_decimal_digit(line[i - 1]) && is_decimal_digit(line[i + 1]);
     if (!is_blank(line[i]) || is_blank(line[i - 1])) continue;
     const std::size_t next = line.find_first_not_of(" \t\r", i);
     has_bare_blank |= line[i - 1] != ',' && line[next] != ',';

@@ -115,21 +115,26 @@ ProgressBar::~ProgressBar() {
   std::fflush(stderr);
 }
 
+// A time left is told from this share on, or after this time.
+constexpr double kLeastShare = 0.01;
+constexpr double kMostWait_s = 10.0;
+
 std::string ProgressBar::time_left_text(double share, double found) const {
   if (!(share > found)) return {};
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - start_).count();
+  // The first moments say little of the rest.
+  if (share - found < kLeastShare && elapsed_s < kMostWait_s) return {};
   return ", " + duration_text(elapsed_s * std::max(0.0, 1.0 - share) / (share - found)) + " left";
 }
 
 void ProgressBar::show(const std::string& label, double share, double found) {
-  if (has_terminal_) {
-    const bool has_seconds = total_s_ > 0.0;
-    return show_on_terminal(has_seconds ? label : label + time_left_text(share, found), share);
-  }
+  const auto text_now = [&] {
+    return label.substr(0, label.find_last_not_of(' ') + 1) + time_left_text(share, found);
+  };
+  if (has_terminal_) return show_on_terminal(text_now(), share);
   if (Clock::now() < next_line_) return;
   next_line_ = Clock::now() + kBetweenLines;
-  const std::string text =
-      label.substr(0, label.find_last_not_of(' ') + 1) + time_left_text(share, found);
+  const std::string text = text_now();
   std::fprintf(stderr, "palpate: %s, %.0f %% done\n", text.c_str(),
                100.0 * std::clamp(share, 0.0, 1.0));
   std::fflush(stderr);

@@ -10,6 +10,7 @@
 #include "engine/recording/log_space.h"
 #include "engine/recording/recording_schema.h"
 #include "engine/recording/sqlite_handles.h"
+#include "engine/report/output_lock.h"
 
 namespace palpate {
 namespace {
@@ -91,6 +92,7 @@ bool bind_value(sqlite3_stmt* statement, int index, std::span<const std::byte> b
 
 struct RecordingFile::State {
   std::string path;
+  OutputLock folder;  // of the file
   ino_t inode = 0;
   Database database;
   Statement block, event, meta;
@@ -223,9 +225,12 @@ RecordingFile::~RecordingFile() = default;
 
 Result<RecordingFile> RecordingFile::create(const std::string& path, const RecordingMeta& meta,
                                             const char* file_system, int log_pages) {
+  auto folder = OutputLock::take_for_file(path);
+  if (!folder) return folder.error();
   if (auto error = create_empty(path)) return *error;
   RecordingFile file(std::make_unique<State>());
   file.state_->path = path;
+  file.state_->folder = std::move(*folder);
   auto error = file.state_->check_space();
   if (!error) error = file.state_->open(file_system);
   file.state_->log_pages = log_pages;

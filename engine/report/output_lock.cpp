@@ -35,18 +35,37 @@ struct OutputLock::Held {
 
   // Returns 0 or errno.
   int lock(FolderUse wanted) {
+    const bool is_alone = wanted == FolderUse::kAlone;
     int code = 0;
     do {
-      code = ::flock(descriptor, (wanted == FolderUse::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB);
+      code = ::flock(descriptor, (is_alone ? LOCK_EX : LOCK_SH) | LOCK_NB);
     } while (code != 0 && errno == EINTR);
     if (code != 0) return errno;
+    if (!is_alone && !set_mark(wanted)) return EWOULDBLOCK;
     use = wanted;
     return 0;
   }
 
+  // Marks the folder's byte of this use, and returns whether no other process has marked that of
+  // the other shared use. True on a file system without such marks.
+  bool set_mark(FolderUse wanted) const {
+    struct flock mark = {};
+    mark.l_type = F_RDLCK;
+    mark.l_whence = SEEK_SET;
+    mark.l_start = wanted == FolderUse::kShard ? 0 : 1;
+    mark.l_len = 1;
+    if (::fcntl(descriptor, F_OFD_SETLK, &mark) != 0) return true;
+    struct flock other = mark;
+    other.l_start = 1 - mark.l_start;
+    other.l_type = F_UNLCK;  // the mark of an earlier use
+    ::fcntl(descriptor, F_OFD_SETLK, &other);
+    other.l_type = F_WRLCK;  // what a read lock of another process keeps out
+    return ::fcntl(descriptor, F_OFD_GETLK, &other) != 0 || other.l_type == F_UNLCK;
+  }
+
   int descriptor;
   FolderId id;
-  FolderUse use = FolderUse::kShared;
+  FolderUse use = FolderUse::kFile;
 };
 
 namespace {
@@ -89,19 +108,32 @@ Result<OutputLock> OutputLock::take(const std::string& folder, FolderUse use) {
   ::fstat(descriptor, &status);
   auto opened = std::make_shared<Held>(descriptor, FolderId(status.st_dev, status.st_ino));
   auto held = std::static_pointer_cast<Held>(locks.held[opened->id].lock());
-  if (held && (held->use == FolderUse::kAlone || use == FolderUse::kShared)) {
+  if (held && (held->use == FolderUse::kAlone || use == held->use || use == FolderUse::kFile)) {
     return OutputLock(std::move(held));
   }
   if (!held) held = std::move(opened);
+  const FolderUse before = held->use;
   const int reason = held->lock(use);
   if (reason == EWOULDBLOCK) {
-    held->lock(FolderUse::kShared);  // a failed change from shared to alone loses the lock
+    held->lock(before);  // a failed change loses the lock
     return lock_error(folder, "is in use: another command is writing its results there",
                       "wait until that command has ended, or choose another folder");
   }
   if (reason != 0) locks.add_unlocked(folder, reason);
   locks.held[held->id] = held;
   return OutputLock(std::move(held));
+}
+
+Result<OutputLock> OutputLock::take_for_file(const std::string& path) {
+  const auto parent = std::filesystem::path(path).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  std::error_code failed;
+  if (!std::filesystem::is_directory(folder, failed)) return OutputLock();
+  auto taken = take(folder, FolderUse::kFile);
+  if (taken) return taken;
+  Error error = taken.error();
+  error.element.clear();
+  return error;
 }
 
 bool OutputLock::is_at(const std::string& folder) const {

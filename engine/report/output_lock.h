@@ -13,18 +13,24 @@ namespace palpate {
 
 enum class FolderUse : std::uint8_t {
   kAlone,  // no other command may write there
-  kShared  // other commands that also share the folder may, such as shards of one run
+  kShard,  // other commands with this use may, which are shards of one run
+  kFile    // others with this use may: each writes a file that it names, among any other files
 };
 
 // The lock of a folder. It leaves nothing in the folder. It ends when the last copy is destroyed or
 // with the process, however the process ends; a program that the process starts does not have it. A
-// process can take the lock of one folder several times; kAlone is then the stronger use.
+// process can take the lock of one folder several times; the first use but kFile then stays, and
+// kAlone is the strongest.
 // Thread-safe.
 class OutputLock {
  public:
   // folder: a folder that exists. Returns an error if another process has the lock. Without an
   // error, the lock is not held where the file system has no locks (unlocked_folders()).
   static Result<OutputLock> take(const std::string& folder, FolderUse use);
+
+  // The lock kFile of the folder of a file; of no folder if that folder does not exist. An error
+  // has no element, because the path is not that of an option for a folder.
+  static Result<OutputLock> take_for_file(const std::string& path);
 
   OutputLock() = default;  // of no folder
 

@@ -46,6 +46,22 @@ bool is_part_of(const std::string& name, const std::string& target_name) {
   return numbers.find_first_not_of("0123456789-") == std::string::npos;
 }
 
+// Whether a file that would be replaced, or the file of which it would be the log, is locked: the
+// recorder and other programs that use SQLite lock their files so.
+bool is_locked(std::string path) {
+  for (const std::string_view log : {"-wal", "-shm", "-journal"}) {
+    if (path.ends_with(log)) path.resize(path.size() - log.size());
+  }
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor < 0) return false;
+  struct flock lock = {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  const bool is_known = ::fcntl(descriptor, F_OFD_GETLK, &lock) == 0;
+  ::close(descriptor);
+  return is_known && lock.l_type != F_UNLCK;
+}
+
 // Removes temporary files that killed writers of this file have left. An error if one of them is an
 // input of the program.
 std::optional<Error> remove_leftovers(const std::string& target_path) {
@@ -95,7 +111,15 @@ class WholeFile::Output {
     const int reason = find_target();
     if (reason != 0) return write_error(path_, reason);
     if (descriptor_ >= 0) return std::nullopt;  // not a regular file
-    if (auto error = lock_folder()) return error;
+    auto folder = OutputLock::take_for_file(target_path_);
+    if (!folder) return folder.error();
+    folder_ = std::move(*folder);
+    if (is_locked(target_path_)) {
+      return Error{ErrorCode::kFileUnwritable, path_, "",
+                   "is in use: a command is writing or reading it, or the recording of which it "
+                   "would be the log",
+                   "wait until that command has ended, or choose another file"};
+    }
     if (auto error = remove_leftovers(target_path_)) return error;
     if (const int failure = open_part()) return write_error(path_, failure);
     return std::nullopt;
@@ -145,21 +169,6 @@ class WholeFile::Output {
     }
     target_path_ = target.string();
     return 0;
-  }
-
-  std::optional<Error> lock_folder() {
-    const fs::path parent = fs::path(target_path_).parent_path();
-    const std::string folder = parent.empty() ? "." : parent.string();
-    std::error_code failed;
-    if (!fs::is_directory(folder, failed)) return std::nullopt;  // open_part() fails
-    auto taken = OutputLock::take(folder, FolderUse::kShared);
-    if (!taken) {
-      Error error = taken.error();
-      error.element.clear();  // the path is not the option for a folder
-      return error;
-    }
-    folder_ = std::move(*taken);
-    return std::nullopt;
   }
 
   int open_part() {

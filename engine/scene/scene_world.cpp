@@ -222,6 +222,9 @@ void Scene::report_seams(const Seams& seams) {
   warn(seams.crowded,
        ": too small relative to the scene to determine which vertices meet those of other nodes; a "
        "point may pass between the nodes. Remove the distant parts of the scene");
+  warn(seams.unsearched,
+       ": overlap others, with so many vertices that it was not determined which of them meet; a "
+       "point may pass between the nodes. Use simpler meshes, or remove nodes that nobody feels");
 }
 
 // Sets the corners of the bodies with seams, for a point. The indices must exist.

@@ -63,6 +63,12 @@ constexpr double kCellPerJoin = 64.0;
 // mesh is smaller than the rounding errors, and its vertices cannot be distinguished.
 constexpr std::size_t kMostMet = 16;
 
+// The most vertices of all near surfaces together whose cells are searched, about a second of work
+// with what follows. A boundary edge counts as several, because its points have places in the
+// cells, which take memory. A thousand nodes of 50,000 vertices that all touch others have fewer.
+constexpr std::size_t kMostVerticesSearched = std::size_t{1} << 26;
+constexpr std::size_t kVerticesPerBoundaryEdge = 4;
+
 // Properties of a mesh, shared by all its surfaces.
 struct MeshOutline {
   Box box;
@@ -214,6 +220,7 @@ class SeamSearch {
 
   Result<Seams> find() {
     find_near();
+    limit_near();
     if (near_.empty()) return std::move(seams_);
     if (auto error = find_shared_boundary_points()) return *error;
     if (points_.empty()) return std::move(seams_);
@@ -261,6 +268,18 @@ class SeamSearch {
           2 * placed_[s].rounding_m <= most_m_ && placed_[s].apart_m <= most_apart_m_;
       (is_certain ? near_ : seams_.too_far).push_back(s);
     }
+  }
+
+  // Leaves out the surfaces beyond kMostVerticesSearched.
+  void limit_near() {
+    std::size_t vertices = 0;
+    std::erase_if(near_, [&](std::uint32_t s) {
+      vertices +=
+          mesh(s).positions().size() + kVerticesPerBoundaryEdge * mesh(s).report().boundary_edges;
+      if (vertices <= kMostVerticesSearched) return false;
+      seams_.unsearched.push_back(s);
+      return true;
+    });
   }
 
   // Finds the boundaries of the open surfaces in near_, and counts their points.

@@ -44,6 +44,8 @@ struct Seams {
   // Surfaces whose vertices are too close together, relative to the size of the scene, to be
   // distinguished. None of their vertices is joined.
   std::vector<std::uint32_t> crowded;
+  // Not searched, because they and those before them have too many vertices together.
+  std::vector<std::uint32_t> unsearched;
 };
 
 // Joins coinciding vertices of different surfaces. Two vertices coincide if their distance is at

@@ -169,16 +169,21 @@ Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const 
                          geometry_hash};
 }
 
-// The object that encloses the hand of the first person where a trial begins; no value if none
-// does.
+// The most persons whose starts are examined; more would take longer than a trial.
+constexpr int kMostExamined = 256;
+
+// The object that encloses the hand of a person where a trial begins; no value if none does.
 std::optional<std::size_t> object_around_start(const ExperimentPlan& plan,
                                                const ExperimentScene& scene) {
   if (scene.way.path.points.size() < 2) return std::nullopt;  // of a stand-in for a trial
-  const OperatorParameters person = draw_person(plan.person, plan.seed, 1);
   const Following following = plan.followings.empty() ? Following{} : plan.followings.front();
-  const OperatorHand hand(scene.way, person, following, plan.trial,
-                          scene.setup.haptics.god_object.radius_m);
-  return enclosing_object(scene.scene, hand.start_scene_m());
+  for (int participant = 1; participant <= std::min(plan.participants, kMostExamined);
+       ++participant) {
+    const OperatorHand hand(scene.way, draw_person(plan.person, plan.seed, participant), following,
+                            plan.trial, scene.setup.haptics.god_object.radius_m);
+    if (auto object = enclosing_object(scene.scene, hand.start_scene_m())) return object;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -223,8 +228,12 @@ std::vector<std::string> scene_warnings(const ExperimentPlan& plan,
       const Error named = with_plan_keys(Error{ErrorCode::kInvalidContent, "", "", line, ""});
       warnings.push_back(plan.objects[i].path + ": " + named.problem);
     }
-    if (const auto object = object_around_start(plan, scenes[i])) {
-      warnings.push_back(plan.objects[i].path + ": " + felt_inside_text(scenes[i].scene, *object));
+    for (std::size_t scaled = i; scaled < scenes.size(); scaled += plan.objects.size()) {
+      const auto object = object_around_start(plan, scenes[scaled]);
+      if (!object) continue;
+      warnings.push_back(plan.objects[i].path + ": " +
+                         felt_inside_text(scenes[scaled].scene, *object));
+      break;
     }
   }
   return warnings;

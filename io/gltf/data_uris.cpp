@@ -1,6 +1,7 @@
 #include "io/gltf/data_uris.h"
 
 #include <charconv>
+#include <limits>
 #include <utility>
 
 #include "io/base64.h"
@@ -10,6 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view kBase64Marker = ";base64";
+constexpr std::size_t kNotBase64 = std::numeric_limits<std::size_t>::max();  // in place of a size
 
 Error not_base64() {
   return gltf_invalid({}, "the data URI is not valid base64");
@@ -57,16 +59,18 @@ Result<GltfSource::Part> GltfDataUris::bytes(std::string_view uri) {
   return part;
 }
 
-// Each byte is written behind the digits from which it is decoded.
+// Each byte is written behind the digits from which it is decoded. Data that are no base64 are
+// destroyed by the attempt, so that a second one must not read them.
 Result<GltfSource::Part> GltfDataUris::decoded_in_text(std::size_t number) {
   const JsonTextPart& part = data_[number];
   std::uint8_t* const begin = text_ + part.begin;
   std::optional<std::size_t>& size = decoded_bytes_[number];
   if (!size) {
     const std::string_view data = source_.substr(part.begin, part.end - part.begin);
-    size = base64_size(data);
-    if (!size || !decode_base64(data, begin)) return not_base64();
+    size = base64_size(data).value_or(kNotBase64);
+    if (*size != kNotBase64 && !decode_base64(data, begin)) size = kNotBase64;
   }
+  if (*size == kNotBase64) return not_base64();
   return GltfSource::Part{{}, {begin, *size}};
 }
 

@@ -117,7 +117,7 @@ inline constexpr std::size_t kMaxGltfContours = std::size_t{1} << 16;
 inline constexpr std::size_t kMaxGltfJoints = std::size_t{1} << 18;  // all skins of the scene
 // Instances of EXT_mesh_gpu_instancing and nodes with meshes, together. An instance takes about 600
 // bytes in a compiled scene, and 12 bytes in a file.
-inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 18;
+inline constexpr std::size_t kMaxGltfInstances = std::size_t{1} << 17;
 // The limit of the work for poses, in counted units. Each pose of a mesh costs 16 units for each
 // primitive, 1 for each attribute and weight, 64 for each target, 1 for each vertex of the decoded
 // morph targets, and 1 for each value in the sets of joints. The animation that poses the scene

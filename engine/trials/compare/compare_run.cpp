@@ -79,7 +79,7 @@ Result<CompareOutcome> run_comparison(const CompareSettings& settings,
   CompareOutcome outcome;
   const MadeFolders made(folder);
   if (std::error_code failed; fs::is_directory(folder, failed)) {  // otherwise the run says why not
-    auto lock = OutputLock::take(folder, run.shard ? FolderUse::kShared : FolderUse::kAlone);
+    auto lock = OutputLock::take(folder, run.shard ? FolderUse::kShard : FolderUse::kAlone);
     if (!lock) return lock.error();
     outcome.lock = std::move(*lock);
   }

@@ -177,13 +177,24 @@ struct FolderLocks {
   ShardLocks shards;
 };
 
+// The error if the folder is one of parts: its files would be taken for those of another run.
+std::optional<Error> check_is_no_parts_folder(const std::string& folder) {
+  const auto text = own_text((fs::path(folder) / kRunFile).string());
+  if (!text) return text.error();
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  if (stated_run(*text).empty() || json.contains("palpate_run")) return std::nullopt;
+  return Error{ErrorCode::kFileUnwritable, folder, "`OutputFiles::folder`",
+               "has the parts of another run", "choose another folder"};
+}
+
 // Keeps other processes out of the folder, but for other shards, and prepares it.
 Result<FolderLocks> prepare_folder(const std::string& folder, const DealtRun& run,
                                    const DealtSettings& settings, const std::vector<int>& units) {
   if (auto error = create_run_folder(folder)) return *error;
-  const FolderUse use = settings.shard ? FolderUse::kShared : FolderUse::kAlone;
+  const FolderUse use = settings.shard ? FolderUse::kShard : FolderUse::kAlone;
   auto of_folder = OutputLock::take(folder, use);
   if (!of_folder) return of_folder.error();
+  if (auto error = check_is_no_parts_folder(folder)) return *error;
   if (auto error = create_parts_folder(folder)) return *error;
   // The folder of another command may be this subfolder.
   auto of_parts = OutputLock::take(parts_folder(folder), use);

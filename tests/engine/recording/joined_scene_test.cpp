@@ -139,7 +139,8 @@ constexpr double kBall_m = 0.05;
 // z = 0 at x < 0.
 GltfBuilder ball_of_generator() {
   GltfBuilder gltf;
-  const auto mesh = add_mesh_of(gltf, Generators<float>::sphere(static_cast<float>(kBall_m), 24, 12));
+  const auto mesh =
+      add_mesh_of(gltf, Generators<float>::sphere(static_cast<float>(kBall_m), 24, 12));
   gltf.add_node({{"mesh", mesh}});
   return gltf;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <csignal>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -17,6 +18,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/report/output_lock.h"
 #include "engine/report/whole_file.h"
 #include "tests/helpers/deadly_rename.h"
 #include "tests/helpers/gltf_builder.h"
@@ -232,6 +234,69 @@ TEST_F(OutputFilesTest, AreRefusedWhileAnotherProcessHasTheFolder) {
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(OutputFiles::create(folder.path("link"), kNames)) << "the lock ends with the process";
+}
+
+// Whether this process gets a lock while another one has the lock `theirs` of the folder.
+bool is_let_in(const std::string& path, FolderUse theirs, FolderUse ours) {
+  std::array<int, 2> locked{};
+  if (::pipe(locked.data()) != 0) return false;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const auto lock = OutputLock::take(path, theirs);
+    [[maybe_unused]] const auto told = ::write(locked[1], lock ? "x" : "-", 1);
+    ::pause();
+  }
+  char byte = 0;
+  EXPECT_EQ(::read(locked[0], &byte, 1), 1);
+  EXPECT_EQ(byte, 'x');
+  const bool is_in = OutputLock::take(path, ours).ok();
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  for (const int end : locked) ::close(end);
+  return is_in;
+}
+
+TEST_F(OutputFilesTest, AFolderIsSharedByShardsOrByNamedFilesAndNotByBoth) {
+  fs::create_directory(folder.path("out"));
+  constexpr std::array kUses = {FolderUse::kAlone, FolderUse::kShard, FolderUse::kFile};
+  for (const FolderUse theirs : kUses) {
+    for (const FolderUse ours : kUses) {
+      EXPECT_EQ(is_let_in(folder.path("out"), theirs, ours),
+                theirs == ours && theirs != FolderUse::kAlone)
+          << static_cast<int>(theirs) << " " << static_cast<int>(ours);
+    }
+  }
+}
+
+// As the recorder locks the file that it writes.
+TEST_F(OutputFilesTest, AFileThatAnotherProcessHasLockedIsNotReplaced) {
+  write(folder.path("a.palpate"), "recording");
+  std::array<int, 2> locked{};
+  ASSERT_EQ(::pipe(locked.data()), 0);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const int file = ::open(folder.path("a.palpate").c_str(), O_RDWR);
+    struct flock lock = {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    lock.l_start = 1 << 30;  // where SQLite locks
+    lock.l_len = 510;
+    const bool is_held = ::fcntl(file, F_SETLK, &lock) == 0;
+    [[maybe_unused]] const auto told = ::write(locked[1], is_held ? "x" : "-", 1);
+    ::pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(::read(locked[0], &byte, 1), 1);
+  EXPECT_EQ(byte, 'x');
+  for (const char* const name : {"a.palpate", "a.palpate-wal"}) {
+    const auto refused = WholeFile::create(folder.path(name));
+    EXPECT_FALSE(refused) << name;
+    if (!refused) EXPECT_NE(refused.error().problem.find("is in use"), std::string::npos);
+  }
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  EXPECT_TRUE(WholeFile::create(folder.path("a.palpate")));
 }
 
 // Two sets of files of one process do not affect each other; the last one determines the content.

@@ -401,6 +401,33 @@ TEST(Seams, StayOpenWithAWarningIfMemoryIsShort) {
   ADD_FAILURE() << "no limit was large enough";
 }
 
+// A row of nodes that overlap, without vertices that meet. The last five are beyond the limit, in
+// which a boundary edge counts as four vertices.
+TEST(Seams, StayOpenWithAWarningIfTheOverlappingNodesHaveTooManyVertices) {
+  constexpr std::uint32_t kSide = 300;
+  constexpr std::size_t kVertices = (kSide + 1) * (kSide + 1);
+  constexpr std::size_t kMost = (std::size_t{1} << 26) / (kVertices + 4 * 4 * kSide);
+  MeshDescription grid;
+  for (std::uint32_t i = 0; i < kVertices; ++i) {
+    grid.positions.push_back(Vec3(i % (kSide + 1), i / (kSide + 1), 0) / kSide);
+  }
+  for (std::uint32_t row = 0; row < kSide; ++row) {
+    for (std::uint32_t column = 0; column < kSide; ++column) {
+      const std::uint32_t v = row * (kSide + 1) + column;
+      grid.triangles.push_back({v, v + 1, v + kSide + 2});
+      grid.triangles.push_back({v, v + kSide + 2, v + kSide + 1});
+    }
+  }
+  std::vector<NodeDescription> nodes;
+  for (std::size_t i = 0; i < kMost + 5; ++i) {
+    nodes.push_back(node_at({0.8314 * static_cast<double>(i), 0, 0}));
+  }
+  const Scene scene = compiled(described_by_number({grid}, nodes));
+  std::string warnings;
+  for (const std::string& warning : scene.statistics().warnings) warnings += warning + "\n";
+  EXPECT_NE(warnings.find(" and 4 more nodes: overlap others"), std::string::npos) << warnings;
+}
+
 // A row of tiles is rotated by a random angle about a random axis.
 TEST(Seams, JoinVerticesSeparatedOnlyByRounding) {
   Random random(31);

@@ -96,20 +96,29 @@ export function until(page, predicate, argument) {
   return explained(page, page.waitForFunction(predicate, argument, { timeout: kStep_ms, polling: 20 }));
 }
 
-// Waits until the page receives states.
+// Waits until the page receives states and knows the settings.
 export function untilLive(page) {
-  return until(page, () => window.palpate?.isLive() && window.palpate.state() !== null);
+  return until(page, () =>
+    window.palpate?.isLive() && window.palpate.state() !== null && window.palpate.status() !== null);
 }
 
-// Waits until the page draws the scene.
+// Waits until the page draws the scene and knows the settings.
 export function untilDrawn(page) {
-  return until(page, () => window.palpate?.drawnBodies() > 0 && window.palpate.drawnTick() >= 0);
+  return until(page, () => window.palpate?.drawnBodies() > 0 && window.palpate.drawnTick() >= 0 &&
+                           window.palpate.status() !== null);
 }
 
 // No program outlives the test.
 const children = new Set();
 process.once("exit", () => children.forEach((child) => child.kill("SIGKILL")));
 for (const signal of ["SIGINT", "SIGTERM"]) process.once(signal, () => process.exit(1));
+
+// Ends the browser, and the programs of a test that failed before it stopped them: a file of tests ends only
+// when nothing of it runs.
+export async function closeAll(browser) {
+  await browser.close();
+  children.forEach((child) => child.kill("SIGKILL"));
+}
 
 // A program that prints the address of a page in a line. ask(command) sends a line and waits for the
 // next one.

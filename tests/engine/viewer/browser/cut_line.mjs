@@ -1,4 +1,4 @@
-// A line between the page and a server that a test can cut and lead elsewhere.
+// A line between the page and a server that a test can cut and lead elsewhere. It keeps no process alive.
 
 import { connect, createServer } from "node:net";
 
@@ -8,6 +8,7 @@ export async function openLine(port) {
   const server = createServer((client) => {
     const far = connect(target, "127.0.0.1");
     for (const socket of [client, far]) {
+      socket.unref();
       sockets.add(socket);
       socket.on("error", () => {});
       socket.on("close", () => {
@@ -19,6 +20,7 @@ export async function openLine(port) {
     client.pipe(far);
     far.pipe(client);
   });
+  server.unref();
   await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
   return {
     port: server.address().port,

@@ -94,6 +94,7 @@ export async function openProxy(options = {}) {
     const lines = Object.entries(headersFor(asked, target.port)).map(([name, value]) => `${name}: ${value}\r\n`);
     far.write(`GET ${target.path} HTTP/1.1\r\n${lines.join("")}\r\n`);
     for (const socket of [near, far]) {
+      socket.unref();
       socket.on("error", () => {});
       socket.on("close", () => {
         near.destroy();
@@ -104,9 +105,11 @@ export async function openProxy(options = {}) {
     far.pipe(near);
   });
   server.on("connection", (socket) => {
+    socket.unref();
     sockets.add(socket);
     socket.on("close", () => sockets.delete(socket));
   });
+  server.unref(); // a test that fails does not keep its process alive
   const listen = (port) => new Promise((resolve) => server.listen(port, "127.0.0.1", resolve));
   await listen(0);
   const { port } = server.address();

@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import {
-  assertClean, kPrograms, kProject, openBrowser, openPage, pictureFolder, startProgram, until,
+  assertClean, closeAll, kPrograms, kProject, openBrowser, openPage, pictureFolder, startProgram, until,
   untilDrawn, untilLive,
 } from "./chromium.mjs";
 import { openLine } from "./cut_line.mjs";
@@ -18,7 +18,7 @@ const kClosed = /WebSocket connection to|Failed to load resource: net::ERR_/; //
 
 let browser;
 before(async () => (browser = await openBrowser()));
-after(() => browser.close());
+after(() => closeAll(browser));
 
 const view = (...args) => startProgram(kPrograms[1], ["view", ...args]);
 
@@ -69,7 +69,7 @@ const kInTheStar_m = [0, 0.02, 0];
 
 async function setFlag(page, name, key, value) {
   if ((await page.evaluate((n) => window.palpate.setting(n), name)) !== value) await page.keyboard.press(key);
-  await until(page, ([n, v]) => window.palpate.status()?.settings[n] === v, [name, value]);
+  await until(page, ([n, v]) => window.palpate.status().settings[n] === v, [name, value]);
 }
 
 test("dragging into the star's wall stops the ball and shows a force against it", async () => {
@@ -359,6 +359,7 @@ test("another server of this host cannot frame the page and is told no secret", 
       response.setHeader("Content-Type", "text/html");
       response.end(`<!doctype html><title>other</title><iframe src="${server.address}"></iframe>`);
     });
+    other.unref();
     await new Promise((resolve) => other.listen(0, "127.0.0.1", resolve));
     const page = await openPage(browser, server.address);
     await untilDrawn(page);
@@ -421,7 +422,7 @@ test("a page that loses control with its connection is told so", async () => {
     const line = await openLine(server.port);
     const first = await openPage(browser, line.address(server.address));
     await untilLive(first);
-    await until(first, () => window.palpate.status()?.control);
+    await until(first, () => window.palpate.status().control);
     const second = await openPage(browser, server.address);
     await untilLive(second);
     line.cut();

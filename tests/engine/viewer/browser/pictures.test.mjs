@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import {
-  assertClean, hideWords, kPrograms, kProject, openBrowser, openPage, pictureFolder, resizeView,
+  assertClean, closeAll, hideWords, kPrograms, kProject, openBrowser, openPage, pictureFolder, resizeView,
   startProgram, until, untilDrawn,
 } from "./chromium.mjs";
 import { pixelsWhere, readPng, writePpm } from "./png.mjs";
@@ -29,7 +29,7 @@ before(async () => {
   folder = mkdtempSync(join(tmpdir(), "palpate_view_"));
 });
 after(async () => {
-  await browser.close();
+  await closeAll(browser);
   rmSync(folder, { recursive: true });
 });
 

@@ -4,7 +4,8 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
 import {
-  assertClean, kPrograms, kProject, openBrowser, openPage, startProgram, until, untilDrawn, untilLive,
+  assertClean, closeAll, kPrograms, kProject, openBrowser, openPage, startProgram, until, untilDrawn,
+  untilLive,
 } from "./chromium.mjs";
 import { openProxy } from "./https_proxy.mjs";
 
@@ -14,7 +15,7 @@ const kTrusting = { ignoreHTTPSErrors: true }; // the certificate signs itself
 
 let browser;
 before(async () => (browser = await openBrowser()));
-after(() => browser.close());
+after(() => closeAll(browser));
 
 const view = (...args) => startProgram(kPrograms[1], ["view", kStar, ...args]);
 
@@ -43,7 +44,7 @@ for (const passesHost of [true, false]) {
     await until(page, () => window.seen.includes("Disconnected"));
     await proxy.switchOn();
     await until(page, (n) => window.palpate.isLive() && window.palpate.state().record.tick > n, tick);
-    await until(page, () => window.palpate.status()?.control);
+    await until(page, () => window.palpate.status().control);
     assertClean(page, kGone);
     await page.context().close();
     await server.stop();
