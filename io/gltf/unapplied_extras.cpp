@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/ascii.h"
 #include "io/gltf/error.h"
 #include "io/gltf/tinygltf.h"
 
@@ -63,8 +64,7 @@ unsigned owner_of(ElementKind kind) {
 }
 
 bool is_letter_or_digit(char c) {
-  const char l = static_cast<char>(c | 0x20);
-  return (l >= 'a' && l <= 'z') || (c >= '0' && c <= '9');
+  return is_lower(lower(c)) || is_digit(c);
 }
 
 // What follows a word in lower case at the beginning of a name: "Palpate_stiffness" gives
