@@ -1,5 +1,5 @@
 // Hostile files: each must be refused with the right error, or read without its harmful parts, with
-// memory in proportion to its size. Files that are merely invalid are tested in gltf_reader_test.
+// memory in proportion to its size. Files that are merely invalid are tested in gltf_test.
 
 #include <algorithm>
 #include <chrono>
