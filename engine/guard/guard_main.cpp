@@ -9,9 +9,8 @@
 //   watch   the heartbeat is stale: zero, with a new epoch      nothing
 //           the driver's thread has ended: the same
 //   zero    the driver has seen the epoch: one more zero, quiet zeros at 200 Hz
-//   quiet   the driver acknowledges the epoch: watch            nothing: the driver sets up the
-//   device
-//           the heartbeat is stale: zero
+//   quiet   the driver acknowledges the epoch: watch            nothing: the driver sets up
+//           the heartbeat is stale: zero                        the device
 //   last    after 200 ms: ends                                  zeros at 200 Hz
 //
 // The end of the thread is seen earlier than that of the engine. On a busy machine, a killed engine
