@@ -237,6 +237,18 @@ TEST(HostileGltf, ClosedNestingIsLimitedLikeOpenNesting) {
   }
 }
 
+TEST(HostileGltf, ErrorsShowNamesOfUpTo120Bytes) {
+  const auto refused_at = [](std::size_t length, const std::string& shown) {
+    const std::string name = "_" + std::string(length - 1, 'n');
+    expect_invalid(
+        "{" + kAsset + R"(,"meshes":[{"primitives":[{"attributes":{")" + name + R"(":"x"}}]}]})",
+        "/meshes/0/primitives/0/attributes/" + shown);
+  };
+  refused_at(40, "_" + std::string(39, 'n'));
+  refused_at(120, "_" + std::string(119, 'n'));
+  refused_at(121, "_" + std::string(119, 'n') + "...");
+}
+
 TEST(HostileGltf, LongRunsOfSpacesAreLeftOutOnlyBetweenValues) {
   const std::string spaces = std::string(std::size_t{16} << 20, ' ') + "\r\n\t";
   const std::string text =
