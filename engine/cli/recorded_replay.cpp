@@ -10,7 +10,7 @@
 #include "engine/cli/command_output.h"
 #include "engine/cli/effects_report.h"
 #include "engine/cli/option_names.h"
-#include "engine/cli/report.h"
+#include "engine/cli/run_report.h"
 #include "engine/cli/setting_texts.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/recording/recorder.h"

@@ -15,7 +15,7 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/program_signals.h"
-#include "engine/cli/report.h"
+#include "engine/cli/run_report.h"
 #include "engine/cli/run_results.h"
 #include "engine/cli/start_inside_report.h"
 #include "engine/cli/tick_times_report.h"

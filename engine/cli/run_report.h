@@ -1,8 +1,7 @@
 #pragma once
 
-// Results as JSON for programs and as tables for people.
+// Results of runs as JSON for programs and as tables for people.
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,8 +13,6 @@
 
 namespace palpate {
 
-nlohmann::ordered_json scene_json(const Scene& scene);
-nlohmann::ordered_json tree_json(std::span<const TreeNode> tree);  // an array of nodes, depth first
 nlohmann::ordered_json summary_json(const RunSummary& summary, const Scene& scene);
 // Without a path, the keys about the path and the judgement are left out.
 nlohmann::ordered_json run_json(const ExplorationRun& run, const Scene& scene);
@@ -25,7 +22,6 @@ nlohmann::ordered_json work_budget_json(const RunSetup& setup);
 // "3 too_far, 1 governor_slew": how many ticks had each fault; "none" if no tick had one.
 std::string faults_text(const RunSummary& summary);
 
-std::string scene_text(const std::string& path, const Scene& scene);
 std::string summary_text(const RunSummary& summary, const Scene& scene);
 // A table with one column per run. A run without a path, that of a person, has no line about it.
 std::string runs_text(const std::vector<ExplorationRun>& runs, const Scene& scene);
