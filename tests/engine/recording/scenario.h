@@ -20,6 +20,7 @@
 #include "engine/recording/recording_reader.h"
 #include "engine/recording/recording_settings.h"
 #include "engine/session/haptic_session.h"
+#include "engine/session/live_setting.h"
 #include "engine/session/material_tuner.h"
 #include "engine/session/node_motions.h"
 #include "tests/helpers/compiled_scene.h"
