@@ -107,20 +107,19 @@ class CanonicalLine {
 };
 
 Result<std::vector<CanonicalRow>> parse_canonical_text(std::string_view text) {
-  const std::string first = canonical_columns() + "\n";
-  if (!text.starts_with(first)) {
+  if (!text.starts_with(canonical_columns() + "\n")) {
     return Error{ErrorCode::kInvalidContent, "", "line 1",
                  "has other columns; expected " + canonical_columns(), ""};
   }
-  text.remove_prefix(first.size());
   CsvReader reader(text);
   std::vector<std::string> fields;
+  [[maybe_unused]] const auto columns = reader.next(fields);
   std::vector<CanonicalRow> rows;
   for (;;) {
     const auto has_line = reader.next(fields);
     if (!has_line) return has_line.error();
     if (!*has_line) return rows;
-    const std::size_t line = reader.line() + 1;
+    const std::size_t line = reader.line();
     if (fields.size() != kCanonicalColumns.size()) {
       return Error{ErrorCode::kInvalidContent, "", "line " + std::to_string(line),
                    "has " + std::to_string(fields.size()) + " fields; expected " +

@@ -296,7 +296,9 @@ TEST(CanonicalRows, NameTheLineAndTheColumnThatIsWrong) {
         {head + "1,0,pushed,R,0,1\n", "line 3, column motion"},
         {head + "1,0,pressed,r,0,1\n", "line 3, column rotation"},
         {head + "1,0,pressed,R,nan,1\n", "line 3, column along_over_into"},
-        {head + "1,0,pressed,R,0,-1\n", "line 3, column share_within_30deg"}}) {
+        {head + "1,0,pressed,R,0,-1\n", "line 3, column share_within_30deg"},
+        {head + "1,0,pressed,R,0,\"1\n", "line 3"},
+        {head + "1,0,pressed,R,0,1\r1\n", "line 3"}}) {
     const auto rows = parse_canonical_rows(text, "canonical.csv");
     ASSERT_FALSE(rows.ok()) << text;
     EXPECT_EQ(rows.error().element, element) << rows.error().to_string();
