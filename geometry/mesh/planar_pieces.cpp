@@ -21,7 +21,7 @@ constexpr std::int64_t kCellsPerMerged = 64;
 // cut may bend a piece on to another vertex or across another piece, so new pieces are tested again
 // until no cut is left. Two to four rounds are usual; the limit stops endless cuts of a few short
 // pieces around one place.
-constexpr int kMostRounds = 64;
+constexpr int kMostSplitRounds = 64;
 constexpr double kOnPiece = 0.5 * static_cast<double>(kCellsPerMerged);
 // The vertex of a crossing may be as far from the crossing as merged_m plus the rounding of the
 // crossing.
@@ -59,8 +59,8 @@ class PieceCutter {
     if (cell_m_ > 0.0) {
       take_segments();
       int round = 0;
-      while (round < kMostRounds && cut()) ++round;
-      result_.gave_up = result_.gave_up || round == kMostRounds;
+      while (round < kMostSplitRounds && cut()) ++round;
+      result_.gave_up = result_.gave_up || round == kMostSplitRounds;
     }
     return std::move(result_);
   }

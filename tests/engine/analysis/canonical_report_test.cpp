@@ -83,6 +83,10 @@ TEST(CanonicalPlot, TheAxisOfTheRatioEndsAboveRAndNotAboveNoR) {
 }
 
 // Student's t for 2 degrees of freedom is 4.302653 at 95 %.
+CanonicalRow row_of(int participant, double angle_deg, std::optional<double> ratio) {
+  return {participant, {angle_deg, CanonicalMotion::kStroked, true}, ratio, 0.25};
+}
+
 TEST(CanonicalMeans, AreThoseOfTheParticipantsWithAValue) {
   const std::vector<CanonicalRow> rows = {row_of(1, 30.0, 1.0), row_of(2, 30.0, 2.0),
                                           row_of(3, 30.0, {}),  row_of(4, 30.0, 3.0),
