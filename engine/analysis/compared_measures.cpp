@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/trials/trials_file.h"
+
 namespace palpate {
 namespace {
 

@@ -7,7 +7,8 @@
 #include <set>
 #include <utility>
 
-#include "engine/trials/operator_parameters.h"
+#include "engine/trials/levels.h"
+#include "engine/trials/trials_file.h"
 #include "geometry/base/printable.h"
 
 namespace palpate {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/analysis/experiment_report.h"
-#include "engine/trials/operator_parameters.h"
+#include "engine/trials/levels.h"
 #include "tests/engine/analysis/sample_trials.h"
 
 namespace palpate {

@@ -11,6 +11,7 @@
 
 #include "engine/trials/canonical/canonical_rows.h"
 #include "engine/trials/shipped_files.h"
+#include "tests/engine/trials/added_column.h"
 #include "tests/helpers/gltf_builder.h"
 
 namespace palpate {
@@ -284,6 +285,10 @@ TEST(CanonicalRows, AreReadAsTheyWereWritten) {
     EXPECT_EQ((*read)[i].along_over_into, rows[i].along_over_into);
     EXPECT_EQ((*read)[i].share_within_30deg, rows[i].share_within_30deg);
   }
+}
+
+TEST(CanonicalRows, HaveAnAddedColumnEverywhere) {
+  test::expect_added_column_everywhere(canonical_table(), row_of(1, 15.0, {}));
 }
 
 TEST(CanonicalRows, NameTheLineAndTheColumnThatIsWrong) {

@@ -2,5 +2,5 @@
 
 #include "tests/engine/trials/old/compare_tables.h"
 
-#define parse_canonical_rows old::compared_canonical
+#define parse_canonical_rows tables::compared_canonical
 #include "tests/engine/trials/canonical/canonical_plan_test.cpp"

@@ -22,7 +22,7 @@
 #include "tests/engine/trials/old/old_sweep_rows.h"
 #include "tests/engine/trials/old/old_trials_file.h"
 
-namespace palpate::old {
+namespace palpate::tables {
 
 // The bits of a value, so that nan equals nan and 0 differs from -0.
 inline std::uint64_t bits(double value) {
@@ -152,4 +152,4 @@ inline auto compared_canonical(const std::string& text, const std::string& path)
   return compared<CanonicalKind>(text, path);
 }
 
-}  // namespace palpate::old
+}  // namespace palpate::tables

@@ -2,5 +2,5 @@
 
 #include "tests/engine/trials/old/compare_tables.h"
 
-#define parse_trials old::compared_trials
+#define parse_trials tables::compared_trials
 #include "tests/engine/analysis/compare_run_test.cpp"

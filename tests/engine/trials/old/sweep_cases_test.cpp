@@ -2,5 +2,5 @@
 
 #include "tests/engine/trials/old/compare_tables.h"
 
-#define parse_sweep_rows old::compared_sweep
+#define parse_sweep_rows tables::compared_sweep
 #include "tests/engine/analysis/sweep_run_test.cpp"

@@ -2,8 +2,6 @@
 // hand: row by row and message for message.
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -11,33 +9,27 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
-#include <limits>
 #include <map>
-#include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "engine/trials/canonical/canonical_rows.h"
-#include "engine/trials/sweep/sweep_rows.h"
-#include "engine/trials/trials_file.h"
-#include "tests/engine/trials/old/old_canonical_rows.h"
-#include "tests/engine/trials/old/old_sweep_rows.h"
-#include "tests/engine/trials/old/old_trials_file.h"
+#include "engine/trials/csv_reader.h"
+#include "engine/trials/levels.h"
+#include "tests/engine/trials/old/compare_tables.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
 namespace {
 
-using old::CanonicalKind;
-using old::compare;
-using old::Counts;
-using old::print;
-using old::SweepKind;
-using old::TrialsKind;
+using tables::CanonicalKind;
+using tables::compare;
+using tables::Counts;
+using tables::print;
+using tables::SweepKind;
+using tables::TrialsKind;
 
 using Fields = std::vector<std::string>;
 using Table = std::vector<Fields>;
