@@ -15,7 +15,7 @@
 namespace palpate {
 
 template <class Value>
-struct Level {
+struct ConditionLevel {
   std::string_view name;
   std::string_view meaning;
   Value value;
@@ -24,10 +24,10 @@ struct Level {
 // The levels of one condition. Names are looked up by the value, so that the value of each level
 // must be its place (are_in_order).
 template <class Value, std::size_t count>
-using Levels = std::array<Level<Value>, count>;
+using ConditionLevels = std::array<ConditionLevel<Value>, count>;
 
 template <class Value, std::size_t count>
-constexpr bool are_in_order(const Levels<Value, count>& levels) {
+constexpr bool are_in_order(const ConditionLevels<Value, count>& levels) {
   for (std::size_t i = 0; i < count; ++i) {
     if (static_cast<std::size_t>(levels[i].value) != i) return false;
   }
@@ -35,7 +35,8 @@ constexpr bool are_in_order(const Levels<Value, count>& levels) {
 }
 
 template <class Value, std::size_t count>
-constexpr std::array<std::string_view, count> names_of(const Levels<Value, count>& levels) {
+constexpr std::array<std::string_view, count> names_of(
+    const ConditionLevels<Value, count>& levels) {
   std::array<std::string_view, count> names;
   for (std::size_t i = 0; i < count; ++i) names[i] = levels[i].name;
   return names;
@@ -43,10 +44,10 @@ constexpr std::array<std::string_view, count> names_of(const Levels<Value, count
 
 // Each name with its meaning behind it, such as "NoH none, H all of it" with " " and ", ".
 template <class Value, std::size_t count>
-std::string meanings_of(const Levels<Value, count>& levels, std::string_view before_meaning,
-                        std::string_view between) {
+std::string meanings_of(const ConditionLevels<Value, count>& levels,
+                        std::string_view before_meaning, std::string_view between) {
   std::string text;
-  for (const Level<Value>& level : levels) {
+  for (const ConditionLevel<Value>& level : levels) {
     if (!text.empty()) text += between;
     text.append(level.name).append(before_meaning).append(level.meaning);
   }
@@ -54,30 +55,30 @@ std::string meanings_of(const Levels<Value, count>& levels, std::string_view bef
 }
 
 // Haptic: the part of the force that is commanded.
-inline constexpr Levels<ForceMode, 3> kHapticLevels = {
+inline constexpr ConditionLevels<ForceMode, 3> kHapticLevels = {
     {{"NoH", "none", ForceMode::kNone},
      {"UaH", "along the actuated axes", ForceMode::kActuated},
      {"H", "all of it", ForceMode::kFull}}};
 inline constexpr auto kHapticNames = names_of(kHapticLevels);
 
 // Rotation: whether A4 turns the scene.
-inline constexpr Levels<bool, 2> kRotationLevels = {
+inline constexpr ConditionLevels<bool, 2> kRotationLevels = {
     {{"NoR", "without", false}, {"R", "with A4", true}}};
 inline constexpr auto kRotationNames = names_of(kRotationLevels);
 // "R with A4, NoR without"
 inline std::string rotation_meaning() {
-  return meanings_of(Levels<bool, 2>{kRotationLevels[1], kRotationLevels[0]}, " ", ", ");
+  return meanings_of(ConditionLevels<bool, 2>{kRotationLevels[1], kRotationLevels[0]}, " ", ", ");
 }
 
 // Align: the end of the motor's line that the contact normal turns to.
-inline constexpr Levels<Alignment, 2> kAlignmentLevels = {
+inline constexpr ConditionLevels<Alignment, 2> kAlignmentLevels = {
     {{"nearest", "the nearer end", Alignment::kNearest},
      {"forward", "the positive end", Alignment::kForward}}};
 inline constexpr auto kAlignmentNames = names_of(kAlignmentLevels);
 
 // View: what the display shows of a scene that turns (seen_picture.h).
 enum class View : std::uint8_t { kTurning, kStill };
-inline constexpr Levels<View, 2> kViewLevels = {
+inline constexpr ConditionLevels<View, 2> kViewLevels = {
     {{"turning", "the scene as it turns in the device frame; the paper's people saw this",
       View::kTurning},
      {"still", "the scene in its first pose; the proxy and the device point move in its place",
@@ -95,7 +96,7 @@ enum class Following : std::uint8_t {
   kAdaptsHalf,
   kAdaptsWhole,
 };
-inline constexpr Levels<Following, 7> kFollowingLevels = {
+inline constexpr ConditionLevels<Following, 7> kFollowingLevels = {
     {{"delayed", "the pose in the newest picture that the person has seen", Following::kDelayed},
      {"predict", "that pose, turned about the seen proxy by the seen rate times the picture's age",
       Following::kPredict},
@@ -123,7 +124,7 @@ inline double adapted_share(Following following) {
 
 // Status: how a trial ended.
 enum class TrialStatus : std::uint8_t { kDone, kTimeout, kFault };
-inline constexpr Levels<TrialStatus, 3> kTrialStatusLevels = {
+inline constexpr ConditionLevels<TrialStatus, 3> kTrialStatusLevels = {
     {{"done", "", TrialStatus::kDone},  // with a contact within the red sphere
      {"timeout", "the time limit was reached", TrialStatus::kTimeout},
      {"fault", "a fault ended the trial", TrialStatus::kFault}}};

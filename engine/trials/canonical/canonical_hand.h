@@ -15,7 +15,7 @@
 namespace palpate {
 
 enum class CanonicalMotion : std::uint8_t { kPressed, kStroked };
-inline constexpr Levels<CanonicalMotion, 2> kCanonicalMotionLevels = {
+inline constexpr ConditionLevels<CanonicalMotion, 2> kCanonicalMotionLevels = {
     {{"pressed", "the target goes to the press depth in 1 s and is held for 2 s",
       CanonicalMotion::kPressed},
      {"stroked", "then it moves 100 mm along the wall as seen", CanonicalMotion::kStroked}}};
