@@ -23,8 +23,8 @@ struct HapticSettings;
 //   a4.profile            three finite numbers, > 0
 //   plane_height_m        finite
 //   strategy              empty, or as set_strategy() sets it with force and a4; `anisotropic`
-//   needs
-//                         a point, and a world without effects other than stiffness and damping
+//                         needs a point, and a world without effects other than stiffness and
+//                         damping
 //   anticipation          with a strategy: finite numbers, range_m > 0, the other >= 0
 //   initial_pose          finite, with a quaternion of length 1 (is_pose), and at most
 //                         farthest_place_m() from the device's origin: a device's positions have 53

@@ -4,6 +4,7 @@
 #include <array>
 #include <iterator>
 
+#include "io/ascii.h"
 #include "io/measuring_units.h"
 
 namespace palpate {
@@ -93,13 +94,6 @@ bool contains(const Words& words, std::string_view word) {
   return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
-bool is_small(char c) {
-  return c >= 'a' && c <= 'z';
-}
-bool is_capital(char c) {
-  return c >= 'A' && c <= 'Z';
-}
-
 // Words end at blanks and at the signs between the parts of a name, and before the capital of
 // "posX".
 std::vector<std::string> words_of(std::string_view text) {
@@ -107,8 +101,8 @@ std::vector<std::string> words_of(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     const bool is_sign = std::string_view(" \t_-.:/,'\"").find(c) != std::string_view::npos;
-    if (is_sign || (i > 0 && is_capital(c) && is_small(text[i - 1]))) words.emplace_back();
-    if (!is_sign) words.back() += is_capital(c) ? static_cast<char>(c - 'A' + 'a') : c;
+    if (is_sign || (i > 0 && is_upper(c) && is_lower(text[i - 1]))) words.emplace_back();
+    if (!is_sign) words.back() += lower(c);
   }
   std::erase(words, "");
   return words;

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <utility>
 
+#include "io/ascii.h"
+
 namespace palpate {
 namespace {
 
@@ -14,20 +16,8 @@ constexpr std::size_t kShortestNear = 7;
 constexpr std::size_t kLettersPerError = 4;
 constexpr std::size_t kMostErrors = 3;
 
-bool is_upper(char c) {
-  return c >= 'A' && c <= 'Z';
-}
-bool is_lower(char c) {
-  return c >= 'a' && c <= 'z';
-}
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 bool is_beyond_ascii(char c) {
   return (static_cast<unsigned char>(c) & 0x80u) != 0;
-}
-char lower(char c) {
-  return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
 }
 bool is_sign(char c) {
   return !is_upper(c) && !is_lower(c) && !is_digit(c) && !is_beyond_ascii(c);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "io/ascii.h"
+
 namespace palpate {
 namespace {
 
@@ -166,8 +168,7 @@ std::string folded_unit(std::string_view text) {
       ++i;
       continue;
     }
-    const char c = text[i];
-    folded += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    folded += lower(text[i]);
   }
   if (folded.size() > 1 && folded.ends_with('.')) folded.pop_back();
   return folded;

@@ -4,15 +4,13 @@
 #include <charconv>
 #include <system_error>
 
+#include "io/ascii.h"
+
 namespace palpate {
 namespace {
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
-}
-
-bool is_decimal_digit(char c) {
-  return c >= '0' && c <= '9';
 }
 
 // Calls use(i, c) for each character outside of quotes and brackets, until it returns true.
@@ -116,8 +114,7 @@ bool has_ambiguous_comma(std::string_view line) {
   bool has_decimal = false;
   bool has_bare_blank = false;
   for (std::size_t i = 1; i + 1 < line.size(); ++i) {
-    if (line[i] == ',')
-      has_decimal |= is_decimal_digit(line[i - 1]) && is_decimal_digit(line[i + 1]);
+    if (line[i] == ',') has_decimal |= is_digit(line[i - 1]) && is_digit(line[i + 1]);
     if (!is_blank(line[i]) || is_blank(line[i - 1])) continue;
     const std::size_t next = line.find_first_not_of(" \t\r", i);
     has_bare_blank |= line[i - 1] != ',' && line[next] != ',';
@@ -132,7 +129,7 @@ Number parse_number(std::string_view field, int power) {
   const char* end = field.data() + field.size();
   auto [stop, code] = std::from_chars(field.data(), end, value);
   if (stop != end || code == std::errc::invalid_argument) return {};
-  const bool has_digits = std::any_of(field.begin(), field.end(), is_decimal_digit);
+  const bool has_digits = std::any_of(field.begin(), field.end(), is_digit);
   if (power != 0 && has_digits) {
     // The power is added to the exponent, so that the number is rounded once.
     const std::size_t mark = std::min(field.find_first_of("eE"), field.size());

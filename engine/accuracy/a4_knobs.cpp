@@ -12,13 +12,13 @@
 #include "engine/accuracy/flat_sheet.h"
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/session_pass.h"
+#include "geometry/base/degrees.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
-constexpr double kAligned_rad = 1.0 * kDeg;  // the turn ends here
-constexpr double kMostStart_rad = 89.0 * kDeg;
+constexpr double kAligned_rad = 1.0 * kRadPerDegree;  // the turn ends here
+constexpr double kMostStart_rad = 89.0 * kRadPerDegree;
 
 // The same at all levels.
 constexpr CouplingSettings kCoupling{1000.0, 2.0};
@@ -80,7 +80,7 @@ double time_roundoff_s() {
 // A device with one actuated axis, A1, is held in a sheet with another normal.
 Sample align(StepRule rule, double dt_s, const Accuracy& accuracy, std::uint64_t seed) {
   SeededRandom random(seed);
-  const double start_rad = random.uniform(60.0 * kDeg, kMostStart_rad);
+  const double start_rad = random.uniform(60.0 * kRadPerDegree, kMostStart_rad);
   const double about_a1_rad = random.uniform(-std::numbers::pi, std::numbers::pi);
   const Vec3 normal(std::cos(start_rad), std::sin(start_rad) * std::cos(about_a1_rad),
                     std::sin(start_rad) * std::sin(about_a1_rad));

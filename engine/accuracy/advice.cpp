@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/accuracy/percent.h"
 #include "engine/accuracy/recommendation.h"
 #include "engine/devices/light_device.h"
 #include "engine/devices/stability_limits.h"
@@ -50,10 +51,6 @@ double rounded_down(double value) {
 
 std::string stiffness_text(double stiffness_N_per_m) {
   return short_number(stiffness_N_per_m) + " N/m";
-}
-
-std::string percent_text(double share) {
-  return short_number(100.0 * share) + " %";
 }
 
 // ---- rate --------------------------------------------------------------------------------------

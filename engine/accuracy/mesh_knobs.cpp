@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/pressed_path.h"
 #include "engine/accuracy/session_pass.h"
+#include "geometry/base/degrees.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kMeshedRadius_m = 0.1;
 constexpr double kTube_m = 0.04;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // A smooth surface and one of its meshes.
 struct Meshed {
@@ -67,7 +66,7 @@ FacetErrors run_hand(const Meshed& meshed, std::uint64_t seed, std::size_t ticks
         smooth.normal.dot(smooth.point_m - vec3(record.goal_scene_m)) + god_object.radius_m;
     errors.depth_m.add((vec3(record.proxy_scene_m) - vec3(record.goal_scene_m)).norm() - depth_m);
     const Vec3& n = vec3(record.normal_scene);
-    errors.angle_deg.add(kDegrees *
+    errors.angle_deg.add(kDegreesPerRad *
                          std::atan2(n.cross(smooth.normal).norm(), n.dot(smooth.normal)));
   };
   errors.cost =

@@ -247,26 +247,23 @@ std::string start_note(const Scene& scene, const TickRecord& first) {
   return object ? felt_inside_text(scene, *object) : std::string();
 }
 
-}  // namespace
+// The ticks of a hand in contact.
+std::size_t contact_ticks(const Hand& hand) {
+  return static_cast<std::size_t>(std::count_if(hand.exact.begin(), hand.exact.end(),
+                                                [](const TickRecord& r) { return r.contact; }));
+}
 
-Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
-                                    const MeasurementEffort& effort,
-                                    const MeasuringProgress& progress) {
-  SceneAccuracy measured;
-  measured.hands = kHands;
-  if (auto error = check_rate(setup)) return *error;
-  measured.floor_m = file_floor_m(scene);
-  measured.seconds = effort.quick ? 3.0 : 12.0;
+// Records the hands, and measures how deep and how long they touch.
+Result<std::vector<Hand>> record_hands(const Scene& scene, const RunSetup& setup,
+                                       std::uint64_t first_seed, SceneAccuracy& measured) {
   std::vector<Hand> hands;
   std::uint64_t ticks = 0;
-  std::uint64_t contact_ticks = 0;
   std::vector<double> depths_m;
   for (int h = 0; h < kHands; ++h) {
     Result<Hand> hand =
-        record_hand(scene, setup, measured.seconds, effort.seed + static_cast<std::uint64_t>(h));
+        record_hand(scene, setup, measured.seconds, first_seed + static_cast<std::uint64_t>(h));
     if (!hand) return hand.error();
     for (const TickRecord& r : hand->exact) {
-      contact_ticks += r.contact;
       if (r.contact) depths_m.push_back((vec3(r.proxy_scene_m) - vec3(r.goal_scene_m)).norm());
     }
     ticks += hand->exact.size();
@@ -274,7 +271,7 @@ Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
       measured.start_note = start_note(scene, hand->exact.front());
     hands.push_back(std::move(*hand));
   }
-  if (contact_ticks == 0) {
+  if (depths_m.empty()) {
     return Error{
         ErrorCode::kInvalidArgument, "", "SCENE", "no simulated hand touched the scene",
         "try another `MeasurementEffort::seed`, or `SceneSettings::fit_size_m` to bring the "
@@ -282,8 +279,14 @@ Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
   }
   std::sort(depths_m.begin(), depths_m.end());
   measured.deepest_m = depths_m[(depths_m.size() - 1) * 99 / 100];
-  measured.contact_share = static_cast<double>(contact_ticks) / static_cast<double>(ticks);
+  measured.contact_share = static_cast<double>(depths_m.size()) / static_cast<double>(ticks);
+  return hands;
+}
 
+// Measures the presets with the hands in turn, and the rate that the preset balanced allows.
+std::optional<Error> measure_presets(const Scene& scene, const RunSetup& setup,
+                                     const std::vector<Hand>& hands,
+                                     const MeasuringProgress& progress, SceneAccuracy& measured) {
   std::array<PresetTally, kAccuracyPresets.size()> tallies;
   measured.repeats = MeasurementEffort::kRepeats;
   for (int repeat = 0; repeat < measured.repeats; ++repeat) {
@@ -302,14 +305,28 @@ Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
     measured.presets[p] = tallies[p].finish(kPresetNames[p]);
   }
   measured.kept_rate.by_computing_Hz = 0.5e9 / tallies[1].p999_ns();
-  const auto touching =
-      std::max_element(hands.begin(), hands.end(), [](const auto& a, const auto& b) {
-        const auto touches = [](const TickRecord& r) { return r.contact; };
-        return std::count_if(a.exact.begin(), a.exact.end(), touches) <
-               std::count_if(b.exact.begin(), b.exact.end(), touches);
-      });
-  if (auto error = find_kept_rate(scene, setup, *touching, effort, measured.kept_rate))
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<SceneAccuracy> measure_scene(const Scene& scene, const RunSetup& setup,
+                                    const MeasurementEffort& effort,
+                                    const MeasuringProgress& progress) {
+  SceneAccuracy measured;
+  measured.hands = kHands;
+  if (auto error = check_rate(setup)) return *error;
+  measured.floor_m = file_floor_m(scene);
+  measured.seconds = effort.quick ? 3.0 : 12.0;
+  const auto hands = record_hands(scene, setup, effort.seed, measured);
+  if (!hands) return hands.error();
+  if (auto error = measure_presets(scene, setup, *hands, progress, measured)) return *error;
+  const Hand& touching = *std::max_element(
+      hands->begin(), hands->end(),
+      [](const Hand& a, const Hand& b) { return contact_ticks(a) < contact_ticks(b); });
+  if (auto error = find_kept_rate(scene, setup, touching, effort, measured.kept_rate)) {
     return *error;
+  }
   if (progress) progress(1.0);
   return measured;
 }

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/accuracy/percent.h"
 #include "engine/report/csv.h"
 #include "engine/report/html.h"
 #include "engine/report/html_table.h"
@@ -71,10 +72,6 @@ std::string flag(bool is_good, const char* good, const char* bad) {
                  : "<span class=\"bad\">" + std::string(bad) + "</span>";
 }
 
-std::string percent(double share) {
-  return short_number(100.0 * share) + " %";
-}
-
 std::string presets_html(const SceneAccuracy& measured) {
   HtmlTable table({"preset", "tick, median", "99 %", "worst", "error (rms)", "99 %", "worst",
                    "force error, worst", "steps per tick", "capped"});
@@ -91,7 +88,7 @@ std::string presets_html(const SceneAccuracy& measured) {
     html << "<p class=\"note\">" << html_escaped(measured.start_note) << ".</p>\n";
   }
   html << "<p>" << measured.hands << " simulated hands wander over the scene for "
-       << measured.seconds << " s each and touch it " << percent(measured.contact_share)
+       << measured.seconds << " s each and touch it " << percent_text(measured.contact_share)
        << " of the time. Each preset replays their paths " << measured.repeats
        << " times, in simulated time. Times are computing times of this machine for ticks in "
           "contact: the median over the replays, with the "

@@ -163,22 +163,16 @@ class Hands {
   std::map<std::uint64_t, std::vector<TickRecord>> whole_records_;
 };
 
-}  // namespace
-
-std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
-                                        const MeasurementEffort& effort, std::string& why) {
-  // Counted before the triangles are gathered: nodes that share a mesh may repeat it any number of
-  // times.
+std::size_t triangle_count(const Scene& scene) {
   std::size_t triangles = 0;
   for (const SceneObject& object : scene.objects()) {
     triangles += scene.mesh(object.mesh).face_count();
   }
-  if (triangles > kMostSimplified || triangles < 4 * kLeastTriangles) {
-    why = "it has " + std::to_string(triangles) + " triangles; expected " +
-          std::to_string(4 * kLeastTriangles) + " to " + std::to_string(kMostSimplified);
-    return std::nullopt;
-  }
-  const auto all = std::make_shared<const Merged>(merged(scene));
+  return triangles;
+}
+
+// The knob without its levels.
+Knob described_knob() {
   Knob knob;
   knob.name = "scene_resolution";
   knob.title = "Resolution of the scene's own mesh";
@@ -194,35 +188,70 @@ std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setu
   knob.default_because = "the file's own mesh loses no detail";
   knob.enough = kEnoughDepth_m;
   knob.enough_because = kEnoughDepthBecause;
+  return knob;
+}
+
+// A mesh with some or all of the triangles of the scene.
+struct SimplifiedLevel {
+  std::shared_ptr<const Scene> scene;
+  double edge_m;
+  std::size_t triangles;
+};
+
+// The mesh with fewer and fewer halvings of its triangles, at last whole. Levels with as many
+// triangles as the one before are left out.
+std::vector<SimplifiedLevel> simplified_levels(const Merged& all,
+                                               const std::shared_ptr<const Scene>& whole,
+                                               double radius_m) {
+  const std::size_t triangles = all.mesh.triangles.size();
+  std::vector<SimplifiedLevel> levels;
+  std::size_t last = 0;
+  for (int halvings = kHalvings; halvings > 0; --halvings) {
+    const std::size_t target = triangles >> halvings;
+    if (target < kLeastTriangles) continue;
+    TriangleMesh coarse = simplified(all, target);
+    // Open edges limit how far a mesh can be simplified.
+    if (coarse.triangles.size() <= last || coarse.triangles.size() >= triangles) continue;
+    last = coarse.triangles.size();
+    const double edge_m = mean_edge_m(coarse);
+    // Thin parts may have lost all their area.
+    if (const auto level = compile_mesh(std::move(coarse), radius_m)) {
+      levels.push_back({*level, edge_m, last});
+    }
+  }
+  levels.push_back({whole, mean_edge_m(all.mesh), triangles});
+  return levels;
+}
+
+}  // namespace
+
+std::optional<Knob> simplification_knob(const Scene& scene, const RunSetup& setup,
+                                        const MeasurementEffort& effort, std::string& why) {
+  // Counted before the triangles are gathered: nodes that share a mesh may repeat it any number of
+  // times.
+  const std::size_t triangles = triangle_count(scene);
+  if (triangles > kMostSimplified || triangles < 4 * kLeastTriangles) {
+    why = "it has " + std::to_string(triangles) + " triangles; expected " +
+          std::to_string(4 * kLeastTriangles) + " to " + std::to_string(kMostSimplified);
+    return std::nullopt;
+  }
+  const Merged all = merged(scene);
   const double radius_m = setup.haptics.god_object.radius_m;
-  const auto whole_or_error = compile_mesh(all->mesh, radius_m);
+  const auto whole_or_error = compile_mesh(all.mesh, radius_m);
   if (!whole_or_error) {
     why = whole_or_error.error().to_string();
     return std::nullopt;
   }
   const std::shared_ptr<const Scene> whole = *whole_or_error;
   const auto hands = std::make_shared<Hands>(whole, setup, effort.quick ? 2.5 : 5.0, effort.seed);
-  const double floor_m = file_floor_m(scene);
-  Method method{"simplified", {}, {}, floor_m};
-  const auto add = [&](const std::shared_ptr<const Scene>& level, double edge_m,
-                       std::size_t count) {
-    method.levels.push_back({edge_m, std::to_string(count) + " triangles", [=](std::uint64_t seed) {
-                               return hands->run(*level, seed, Accuracy::balanced());
+  Method method{"simplified", {}, {}, file_floor_m(scene)};
+  for (const SimplifiedLevel& level : simplified_levels(all, whole, radius_m)) {
+    method.levels.push_back({level.edge_m, std::to_string(level.triangles) + " triangles",
+                             [hands, scene = level.scene](std::uint64_t seed) {
+                               return hands->run(*scene, seed, Accuracy::balanced());
                              }});
-  };
-  std::size_t last = 0;
-  for (int halvings = kHalvings; halvings > 0; --halvings) {
-    const std::size_t target = triangles >> halvings;
-    if (target < kLeastTriangles) continue;
-    TriangleMesh coarse = simplified(*all, target);
-    // Open edges limit how far a mesh can be simplified.
-    if (coarse.triangles.size() <= last || coarse.triangles.size() >= triangles) continue;
-    last = coarse.triangles.size();
-    const double edge_m = mean_edge_m(coarse);
-    // Thin parts may have lost all their area.
-    if (const auto level = compile_mesh(std::move(coarse), radius_m)) add(*level, edge_m, last);
   }
-  add(whole, mean_edge_m(all->mesh), triangles);
+  Knob knob = described_knob();
   knob.default_level = method.levels.size() - 1;
   knob.methods.push_back(std::move(method));
   knob.run_preset = [=](std::uint64_t seed, const Accuracy& preset) {

@@ -18,8 +18,6 @@
 namespace palpate {
 namespace {
 
-constexpr int kBadInput = 2;
-
 // Lines of progress in a log.
 constexpr std::chrono::seconds kFirstLine{10};
 constexpr std::chrono::seconds kBetweenLines{30};

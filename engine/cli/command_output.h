@@ -15,7 +15,9 @@
 
 namespace palpate {
 
-// Prints the error as one line on stderr. Returns the exit code for bad input.
+inline constexpr int kBadInput = 2;  // the exit code of bad arguments and bad input
+
+// Prints the error as one line on stderr. Returns kBadInput.
 int refuse(const Error& error);
 
 // Prints JSON on stdout. Bytes of a name that are not UTF-8 become replacement characters.

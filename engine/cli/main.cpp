@@ -18,6 +18,7 @@
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_line.h"
+#include "engine/cli/command_output.h"
 #include "engine/cli/program_signals.h"
 #include "geometry/base/file_roles.h"
 #include "geometry/base/printable.h"
@@ -25,8 +26,6 @@
 namespace {
 
 constexpr int kOurFault = 1;
-constexpr int kBadArguments = 2;
-constexpr int kBadInput = 2;
 
 using Commands = std::vector<std::unique_ptr<palpate::Command>>;
 
@@ -111,11 +110,11 @@ int refuse_arguments(const CLI::App& program, const CLI::ParseError& error) {
   for (const CLI::App* const app : chosen) command += app->get_name() + " ";
   std::cerr << "palpate: " << problem << " (see " << palpate::program_name() << " " << command
             << "--help)\n";
-  return kBadArguments;
+  return palpate::kBadInput;
 }
 
 int run_program(int argc, char** argv) {
-  if (has_empty_argument(argc, argv)) return kBadArguments;
+  if (has_empty_argument(argc, argv)) return palpate::kBadInput;
   CLI::App program(
       "Palpate renders any triangle-mesh scene through a point haptic device, which may have fewer "
       "motors than sensors.");
@@ -165,7 +164,7 @@ int main(int argc, char** argv) {
         "palpate: the system refused memory (free some, or raise the limit of the process, ulimit "
         "-v)\n",
         stderr);
-    return kBadInput;
+    return palpate::kBadInput;
   } catch (const std::exception& error) {
     std::cerr << "palpate: " << error.what() << "\n";
     return kOurFault;

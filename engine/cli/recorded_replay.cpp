@@ -65,11 +65,12 @@ std::optional<Error> apply_request(const RecordedReplayRequest& request, Recorde
 
 ReplayChange change_of(const RecordedReplayRequest& request) {
   ReplayChange change;
-  change.ignores_a4 = request.a4 || request.strategy;
-  change.ignores_force = request.force || request.strategy;
+  change.ignores[live_setting("a4")] = request.a4 || request.strategy;
+  change.ignores[live_setting("force")] = request.force || request.strategy;
   change.has_all_motors = request.force == ForceMode::kFull ||
                           (request.strategy && request.strategy->kind == StrategyKind::kFull);
-  change.ignores_coupling = request.stiffness_N_per_m || request.damping_Ns_per_m;
+  change.ignores[live_setting("stiffness")] = request.stiffness_N_per_m.has_value();
+  change.ignores[live_setting("damping")] = request.damping_Ns_per_m.has_value();
   change.ignores_effects = !request.materials.empty();
   return change;
 }

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/devices/monotonic_clock.h"
 #include "haptics/safety_governor.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kSecond_ns = 1e9;
 
 // An older command of the haptic thread does not count.
 std::int64_t oldest_command_ns(std::int64_t period_ns) {

@@ -7,10 +7,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint8_t kResetCommand = 0;
-constexpr std::uint8_t kSetUpCommand = 1;
-constexpr std::uint8_t kTickCommand = 2;
-constexpr std::uint8_t kPadding = 3;         // not a command
 constexpr std::uint8_t kPortsOneAndTwo = 3;  // port p is bit p - 1
 constexpr std::uint8_t kForwards = 0;        // direction of a motor or an encoder
 
@@ -29,12 +25,12 @@ float number_of(const std::uint8_t* bytes) {
 }  // namespace
 
 std::array<std::uint8_t, 2> hapi_reset() {
-  return {kResetCommand, 0};
+  return {HapiCommand::kReset, 0};
 }
 
 std::vector<std::uint8_t> hapi_set_up(const HapiWiring& wiring, const HapiNumbers& present_deg) {
   constexpr std::uint8_t kNone = 0;
-  std::vector<std::uint8_t> bytes = {kSetUpCommand, wiring.device};
+  std::vector<std::uint8_t> bytes = {HapiCommand::kSetUp, wiring.device};
   bytes.reserve(64);
   for (const std::uint8_t byte : {kPortsOneAndTwo, kForwards, kForwards,  // motors
                                   kPortsOneAndTwo, kForwards, kForwards,  // encoders
@@ -55,7 +51,7 @@ HapiMotors hapi_motors(const HapiWiring& wiring) {
 }
 
 HapiTick hapi_tick(std::uint8_t device, const HapiNumbers& torques) {
-  HapiTick message = {kTickCommand, device};
+  HapiTick message = {HapiCommand::kTick, device};
   for (std::size_t joint = 0; joint < kHapiJoints; ++joint) {
     const auto part = little_endian(torques[joint]);
     std::copy(part.begin(), part.end(), message.begin() + 2 + 4 * joint);
@@ -65,7 +61,7 @@ HapiTick hapi_tick(std::uint8_t device, const HapiNumbers& torques) {
 
 std::vector<std::uint8_t> hapi_stop_bytes(const HapiWiring& wiring) {
   const std::size_t longest = hapi_set_up(wiring, wiring.rest_deg).size();
-  std::vector<std::uint8_t> bytes(longest, kPadding);
+  std::vector<std::uint8_t> bytes(longest, HapiCommand::kNone);
   const HapiTick zero = hapi_tick(wiring.device, {});
   bytes.insert(bytes.end(), zero.begin(), zero.end());
   return bytes;

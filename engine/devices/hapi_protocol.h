@@ -16,6 +16,14 @@ inline constexpr std::size_t kHapiJoints = 2;
 inline constexpr std::size_t kHapiTickSize = 2 + 4 * kHapiJoints;
 inline constexpr std::size_t kHapiAnswerSize = 1 + 4 * kHapiJoints;
 
+// The first byte of a message.
+struct HapiCommand {
+  static constexpr std::uint8_t kReset = 0;
+  static constexpr std::uint8_t kSetUp = 1;
+  static constexpr std::uint8_t kTick = 2;
+  static constexpr std::uint8_t kNone = 3;  // no command: the board skips it
+};
+
 // One number per joint.
 using HapiNumbers = std::array<float, kHapiJoints>;
 using HapiTick = std::array<std::uint8_t, kHapiTickSize>;

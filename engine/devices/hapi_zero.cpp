@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstddef>
 
+#include "engine/devices/hapi_protocol.h"
+
 // How the bytes were found. A zero byte is safe everywhere: it completes a torque to a number near
 // zero, it is the count "none", and two of them are the command "reset". After enough zeros, any
 // message has ended. "Enough" is 288: a set-up of 255 analog pins, the count of PWM pins and the
@@ -34,15 +36,12 @@ constexpr std::size_t kSetUpPacket = 7;
 constexpr std::size_t kPwmPins = 14;
 // The length of a tick message for device 0: the command, the device, 14 PWM values, 4 torques.
 constexpr std::size_t kTickZero = 2 + kPwmPins + 4 * 4;
-constexpr std::uint8_t kSetUpByte = 1;
-constexpr std::uint8_t kTickByte = 2;
-constexpr std::uint8_t kNoCommandByte = 3;
 
 // The zeros between two tick messages of a pair must be an even number: the first message ends its
 // packet, and the second begins the next one.
 void put_pair(std::vector<std::uint8_t>& bytes, std::size_t packet) {
-  bytes[(packet + 1) * kPacket - kTickZero - 1] = kTickByte;
-  bytes[(packet + 1) * kPacket] = kTickByte;
+  bytes[(packet + 1) * kPacket - kTickZero - 1] = HapiCommand::kTick;
+  bytes[(packet + 1) * kPacket] = HapiCommand::kTick;
 }
 
 }  // namespace
@@ -51,7 +50,7 @@ std::vector<std::uint8_t> hapi_zero_bytes(const HapiMotors& motors) {
   std::vector<std::uint8_t> bytes(kSetUpPacket * kPacket, 0);
   put_pair(bytes, kFirstPair);
   put_pair(bytes, kSecondPair);
-  bytes.back() = kNoCommandByte;
+  bytes.back() = HapiCommand::kNone;
 
   const auto put = [&bytes](const std::vector<std::uint8_t>& more) {
     bytes.insert(bytes.end(), more.begin(), more.end());
@@ -61,11 +60,11 @@ std::vector<std::uint8_t> hapi_zero_bytes(const HapiMotors& motors) {
   directions.resize(static_cast<std::size_t>(std::popcount(ports)), 0);
   std::vector<std::uint8_t> pins = motors.pwm_pins;
   pins.resize(std::min(pins.size(), kPwmPins));
-  put({kSetUpByte, motors.device, ports});
+  put({HapiCommand::kSetUp, motors.device, ports});
   put(directions);
   put({0, 0, static_cast<std::uint8_t>(pins.size())});  // no encoder, no analog pin
   put(pins);
-  put({kTickByte, motors.device});
+  put({HapiCommand::kTick, motors.device});
   put(std::vector<std::uint8_t>(pins.size() + 4 * directions.size(), 0));
   return bytes;
 }

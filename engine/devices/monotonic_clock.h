@@ -5,10 +5,11 @@
 
 namespace palpate {
 
+inline constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
 // The time on CLOCK_MONOTONIC, ns, which all processes share. Not a system call on common
 // processors. Any thread may call it.
 inline std::int64_t monotonic_ns() noexcept {
-  constexpr std::int64_t kSecond_ns = 1'000'000'000;
   timespec now;
   ::clock_gettime(CLOCK_MONOTONIC, &now);
   return now.tv_sec * kSecond_ns + now.tv_nsec;

@@ -9,9 +9,8 @@
 //   watch   the heartbeat is stale: zero, with a new epoch      nothing
 //           the driver's thread has ended: the same
 //   zero    the driver has seen the epoch: one more zero, quiet zeros at 200 Hz
-//   quiet   the driver acknowledges the epoch: watch            nothing: the driver sets up the
-//   device
-//           the heartbeat is stale: zero
+//   quiet   the driver acknowledges the epoch: watch            nothing: the driver sets up
+//           the heartbeat is stale: zero                        the device
 //   last    after 200 ms: ends                                  zeros at 200 Hz
 //
 // The end of the thread is seen earlier than that of the engine. On a busy machine, a killed engine
@@ -242,7 +241,7 @@ class Guard {
     const bool is_last = duty_ == Duty::kLast;
     std::array<pollfd, 2> watched = {{{orders_.engine, POLLIN, 0}, {kGuardSocket, POLLIN, 0}}};
     const std::int64_t wait_ns = std::max<std::int64_t>(0, wake_ns - monotonic_ns());
-    const timespec wait{wait_ns / 1'000'000'000, wait_ns % 1'000'000'000};
+    const timespec wait{wait_ns / kSecond_ns, wait_ns % kSecond_ns};
     if (duty_ == Duty::kEnded) return;
     if (ppoll(watched.data(), is_last ? 0 : watched.size(), &wait, nullptr) <= 0) return;
     if (watched[0].revents != 0) {

@@ -48,12 +48,6 @@ int read_file(sqlite3_file* file, void* to, int amount, sqlite3_int64 from) {
   return SQLITE_IOERR_SHORT_READ;
 }
 
-std::uint32_t big_endian(const unsigned char* bytes, int count) {
-  std::uint32_t number = 0;
-  for (int i = 0; i < count; ++i) number = number << 8 | bytes[i];
-  return number;
-}
-
 // The length that the header of a database states; 0 if there is none.
 sqlite3_int64 stated_size(int descriptor) {
   constexpr std::size_t kPageSizeAt = 16, kPagesAt = 28;

@@ -54,11 +54,6 @@ class ReadDescriptor {
   int descriptor_;
 };
 
-std::uint32_t big_endian(const unsigned char* bytes) {
-  return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 |
-         std::uint32_t{bytes[2]} << 8 | bytes[3];
-}
-
 using Header = std::array<unsigned char, kHeaderBytes>;
 
 bool read_header(int descriptor, Header& header) {
@@ -68,7 +63,7 @@ bool read_header(int descriptor, Header& header) {
 }
 
 bool is_ours(const Header& header) {
-  return big_endian(&header[kApplicationAt]) == kRecordingApplication;
+  return big_endian(&header[kApplicationAt], 4) == kRecordingApplication;
 }
 
 // SQLite's locks lie in these bytes. Only a process that has the file open for writing locks them.
@@ -174,7 +169,8 @@ std::optional<Error> RecordingReader::State::open() {
   if (!read_header(file.get(), header) || !is_ours(header)) {
     return error("is not a recording; expected a file that `--record` has written");
   }
-  if (const std::uint32_t version = big_endian(&header[kVersionAt]); version != kRecordingVersion) {
+  if (const std::uint32_t version = big_endian(&header[kVersionAt], 4);
+      version != kRecordingVersion) {
     return error("has the format version " + std::to_string(version) + "; expected " +
                  std::to_string(kRecordingVersion));
   }

@@ -151,11 +151,11 @@ class InputRules {
     switch (input.kind) {
       case InputKind::kEffectParameters:
         return problem_of_parameters(input);
+      case InputKind::kA4:
       case InputKind::kForce:
-        return input.handle <= static_cast<std::uint32_t>(ForceMode::kFull) ? nullptr
-                                                                            : "an unknown force";
       case InputKind::kCoupling:
-        return problem_of_coupling(input);
+      case InputKind::kSetting:
+        return problem_of_settings(LiveChanges(input));
       case InputKind::kMotors:
         return input.bytes.size() == input.handle * sizeof(MotorDescription) ? nullptr
                                                                              : "a number of motors";
@@ -165,13 +165,12 @@ class InputRules {
   }
 
  private:
-  const char* problem_of_coupling(const TickInput& input) {
-    std::array<double, 2> numbers;
-    std::memcpy(numbers.data(), input.bytes.data(), sizeof numbers);
-    HapticSettings settings = settings_;
-    settings.coupling.stiffness_N_per_m = numbers[0];
-    settings.coupling.damping_Ns_per_m = numbers[1];
-    return check_settings(world_, settings) ? "a stiffness or damping" : nullptr;
+  const char* problem_of_settings(const LiveChanges& changes) {
+    if (changes.all().empty()) return "an unknown setting or value";
+    for (const LiveChange& change : changes.all()) {
+      kLiveSettings[change.setting].put(settings_, change.value);
+    }
+    return check_settings(world_, settings_) ? "a value of a setting" : nullptr;
   }
 
   const char* problem_of_parameters(const TickInput& input) const {
@@ -192,7 +191,7 @@ class InputRules {
 
   const ContactWorld& world_;
   double scale_;
-  HapticSettings settings_;
+  HapticSettings settings_;  // with the changes so far
 };
 
 // Sums and differences of times must not overflow.
@@ -203,19 +202,12 @@ bool has_absurd_time(const RecordedTick& row) {
          is_absurd(row.record.late_ns);
 }
 
-bool is_ignored(InputKind kind, const ReplayChange& change) {
-  switch (kind) {
-    case InputKind::kA4:
-      return change.ignores_a4;
-    case InputKind::kForce:
-      return change.ignores_force;
-    case InputKind::kCoupling:
-      return change.ignores_coupling;
-    case InputKind::kEffectParameters:
-      return change.ignores_effects;
-    default:
-      return false;
-  }
+// An input of stiffness and damping, of an earlier version, is ignored if one of them is.
+bool is_ignored(const TickInput& input, const ReplayChange& change) {
+  if (input.kind == InputKind::kEffectParameters) return change.ignores_effects;
+  const LiveChanges changes(input);
+  return std::any_of(changes.all().begin(), changes.all().end(),
+                     [&](const LiveChange& c) { return change.ignores[c.setting]; });
 }
 
 // One replay.
@@ -287,7 +279,7 @@ class Replayer {
     for (const TickInput input : inputs) {
       if (options_.left_out == input.kind) continue;
       if (const char* problem = rules_.problem(input)) return problem;
-      if (options_.change && is_ignored(input.kind, *options_.change)) {
+      if (options_.change && is_ignored(input, *options_.change)) {
         ++outcome_.ignored_inputs;
         continue;
       }

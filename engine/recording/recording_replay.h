@@ -2,6 +2,7 @@
 
 // Computes a recorded session again.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "engine/recording/recording_reader.h"
 #include "engine/recording/recording_settings.h"
 #include "engine/scene/scene.h"
+#include "engine/session/live_setting.h"
 #include "engine/session/run_summary.h"
 #include "geometry/base/result.h"
 
@@ -26,9 +28,7 @@ struct ReplayDifference {
 
 // What a replay does otherwise than the recording: recorded switches of these settings are ignored.
 struct ReplayChange {
-  bool ignores_a4 = false;
-  bool ignores_force = false;
-  bool ignores_coupling = false;
+  std::array<bool, kLiveSettings.size()> ignores = {};  // by the place in kLiveSettings
   bool ignores_effects = false;
   // Every sensed axis has a motor, as with a device for ForceMode::kFull; the recorded motors are
   // ignored.

@@ -11,6 +11,7 @@
 
 #include "engine/recording/recorded_tick.h"
 #include "engine/recording/sha256.h"
+#include "engine/session/live_setting.h"
 #include "engine/session/run_setup.h"
 #include "haptics/effects/effect.h"
 #include "io/gltf/file.h"
@@ -297,12 +298,19 @@ std::string effects_text() {
 }
 
 std::string inputs_json() {
+  nlohmann::ordered_json settings = nlohmann::ordered_json::array();
+  for (const LiveSetting& setting : kLiveSettings) {
+    settings.push_back({{"number", setting.number}, {"name", setting.name}});
+    if (!setting.unit.empty()) settings.back()["unit"] = setting.unit;
+    if (!setting.choices.empty()) settings.back()["choices"] = setting.choices;
+  }
   nlohmann::ordered_json kinds = nlohmann::ordered_json::array();
   for (const InputKindFacts& facts : kInputKinds) {
     kinds.push_back({{"kind", static_cast<int>(facts.kind)},
                      {"name", facts.name},
                      {"handle", facts.handle},
                      {"bytes", facts.bytes}});
+    if (facts.kind == InputKind::kSetting) kinds.back()["settings"] = settings;
   }
   return kinds.dump();
 }

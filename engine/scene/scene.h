@@ -3,25 +3,19 @@
 // A scene, compiled once from the description that io reads, and immutable afterwards.
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "engine/scene/conforming.h"
-#include "engine/scene/node_placement.h"
 #include "engine/scene/scene_effects.h"
-#include "engine/scene/seams.h"
 #include "engine/scene/shared_indices.h"
 #include "engine/scene/surface_attributes.h"
 #include "geometry/base/box.h"
 #include "geometry/base/memory_breakdown.h"
-#include "geometry/base/memory_ledger.h"
 #include "geometry/base/result.h"
 #include "geometry/index/surface_index.h"
-#include "geometry/mesh/boundary_joins.h"
 #include "geometry/mesh/surface_mesh.h"
 #include "haptics/proxy/contact_world.h"
 #include "io/scene_description.h"
@@ -174,80 +168,17 @@ class Scene {
                               std::vector<Triangle>& triangles) const;
 
  private:
-  // A surface that bounds a medium and cannot be touched.
-  struct Medium {
-    std::string name;
-    IndexUse use;
-    std::size_t material_set;  // SceneEffects::material_set()
-    RigidTransform T_scene_body;
-  };
+  friend class SceneCompiler;
 
   Scene() = default;
-  // The same as the public compile(), but throws if an allocation fails.
-  static Result<Scene> compile(SceneDescription&& description, const SceneSettings& settings,
-                               MemoryLedger& ledger);
-  void take_declarations(SceneDescription& description);
-  void take_contours(std::vector<ContourDescription>& contours);
-  std::optional<Error> weld_meshes(std::vector<MeshDescription>& descriptions,
-                                   bool joins_within_rounding);
-  std::optional<Error> join_boundaries(const std::vector<GapLimit>& limits, JoinStatistics& joins);
-  std::optional<Error> join_within_rounding();
-  std::optional<Error> close_gaps(const std::vector<NodeDescription>& nodes,
-                                  const SceneSettings& settings);
-  void report_gaps(double gap_m);
-  void take_parts(std::vector<MeshDescription>& descriptions);
-  std::optional<Error> take_places(const std::vector<NodeDescription>& nodes);
-  std::vector<NodePlacement> touchable(std::vector<NodeDescription>& nodes);
-  std::optional<Error> add_surfaces(const std::vector<NodeDescription>& nodes,
-                                    const std::vector<NodePlacement>& placements,
-                                    std::span<const Box> boxes, double proxy_radius_m,
-                                    SceneEffects& effects);
-  std::optional<Error> conform_nodes(std::vector<NodeDescription>& nodes, std::vector<Box>& boxes,
-                                     Box& bounds, const SceneSettings& settings,
-                                     SceneEffects& effects);
-  Result<std::vector<std::uint32_t>> solid_nodes(const std::vector<NodeDescription>& nodes,
-                                                 SceneEffects& effects) const;
-  std::optional<Error> change_nodes(std::vector<ConformingSurface>& surfaces,
-                                    std::span<const std::uint32_t> solid,
-                                    std::vector<NodeDescription>& nodes, std::vector<Box>& boxes);
-  void report_conforming(const Conforming& made, std::size_t divided_edges);
-  void note_conforming(double close_gaps_m);
   AffineMap map_body_mesh(const IndexUse& use) const;
-  std::optional<Error> build_world(const Box& bounds_scene,
-                                   const std::vector<NodeDescription>& nodes,
-                                   const SceneSettings& settings);
-  std::optional<Error> take_surfaces(const Seams& seams);
-  std::uint64_t corner_bytes(const Seams& seams) const;
-  void build_meshes_and_indices();
-  void add_bodies();
-  void widen_sweeps(const Seams& seams);
-  Result<Seams> seams_of(const std::vector<NodeDescription>& nodes) const;
-  void report_seams(const Seams& seams);
-  void add_corners(Seams& seams, const std::vector<NodeDescription>& nodes, bool are_for_contacts);
-  std::optional<Error> take_attributes(const std::vector<ImageDescription>& images);
-  std::optional<Error> compile_effects(SceneEffects& effects);
-  template <typename Visit>
-  void visit_shapes_and_stretches(const Visit& visit) const;
-  EffectSurface effect_surface(std::string_view node, const IndexUse& use, std::size_t material_set,
-                               const RigidTransform& T_scene_body) const;
 
-  MemoryLedger* ledger_ = nullptr;     // only during compile()
-  std::vector<WeldedSurface> welded_;  // one per mesh; only during compile()
   std::vector<SurfaceMesh> meshes_;
   std::vector<MeshParts> parts_;  // one per mesh
   std::vector<IndexShape> shapes_;
   std::vector<std::unique_ptr<SurfaceIndex>> indices_;  // one per shape
   std::vector<SceneObject> objects_;
   std::vector<IndexUse> use_of_object_;
-  // The vertices of nodes that meet those of other nodes; only during compile().
-  std::map<std::uint32_t, std::vector<std::uint32_t>> met_of_node_;
-  bool are_nodes_searched_ = true;  // for places where they meet; only during compile()
-  std::vector<bool> is_changed_;    // per node; only during compile()
-  std::vector<double> moved_m_;     // per mesh, how far vertices were moved; only during compile()
-  std::size_t file_meshes_ = 0;     // the first of welded_, without copies for changed nodes
-  std::vector<std::uint32_t> node_of_object_;  // index into the description, only during compile()
-  std::vector<std::size_t> material_set_of_object_;  // only during compile()
-  std::vector<Medium> media_;                        // only during compile()
   std::vector<TreeNode> tree_;
   std::vector<MaterialDescription> materials_;
   std::vector<PhysicsMaterialDescription> physics_materials_;

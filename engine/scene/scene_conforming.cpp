@@ -6,8 +6,8 @@
 #include <tuple>
 #include <utility>
 
-#include "engine/scene/scene.h"
 #include "engine/scene/scene_bounds.h"
+#include "engine/scene/scene_compiler.h"
 
 namespace palpate {
 namespace {
@@ -100,8 +100,8 @@ double most_moved_m(const WeldedSurface& mesh, const SurfaceChanges& changes) {
 }  // namespace
 
 // The nodes whose surfaces can be touched; the others bound media.
-Result<std::vector<std::uint32_t>> Scene::solid_nodes(const std::vector<NodeDescription>& nodes,
-                                                      SceneEffects& effects) const {
+Result<std::vector<std::uint32_t>> SceneCompiler::solid_nodes(SceneEffects& effects) const {
+  const std::vector<NodeDescription>& nodes = description_.nodes;
   std::vector<std::uint32_t> solid;
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     const auto set = effects.material_set(nodes[i].name, nodes[i].mesh, nodes[i].physics_material);
@@ -111,64 +111,67 @@ Result<std::vector<std::uint32_t>> Scene::solid_nodes(const std::vector<NodeDesc
   return solid;
 }
 
-std::optional<Error> Scene::conform_nodes(std::vector<NodeDescription>& nodes,
-                                          std::vector<Box>& boxes, Box& bounds,
-                                          const SceneSettings& settings, SceneEffects& effects) {
-  if (!settings.joins_within_rounding || nodes.size() < 2) return std::nullopt;
-  const auto solid = solid_nodes(nodes, effects);
+std::optional<Error> SceneCompiler::conform_nodes(SceneEffects& effects) {
+  const std::vector<NodeDescription>& nodes = description_.nodes;
+  if (!settings_.joins_within_rounding || nodes.size() < 2) return std::nullopt;
+  const auto solid = solid_nodes(effects);
   if (!solid) return solid.error();
-  ledger_->begin("joining nodes that meet", std::to_string(solid->size()) + " nodes");
-  if (auto error = ledger_->check(solid->size() * sizeof(void*))) return error;
+  ledger_.begin("joining nodes that meet", std::to_string(solid->size()) + " nodes");
+  if (auto error = ledger_.check(solid->size() * sizeof(void*))) return error;
   std::vector<const NodeDescription*> described;
   described.reserve(solid->size());
   for (const std::uint32_t i : *solid) described.push_back(&nodes[i]);
-  const Vec3 middle_m = 0.5 * (bounds.low + bounds.high);
+  const Vec3 middle_m = 0.5 * (bounds_scene_.low + bounds_scene_.high);
   is_changed_.assign(nodes.size(), false);
   moved_m_.assign(welded_.size(), 0.0);
   std::size_t divided_edges = 0;
   const std::size_t warnings = statistics_.warnings.size();
   for (int round = 0; round < kMostRounds; ++round) {
     Result<Conforming> made =
-        conform(welded_, boxes, moved_m_, described,
-                {middle_m, statistics_.extent_m.maxCoeff(), settings.close_gaps_m}, *ledger_);
+        conform(welded_, boxes_, moved_m_, described,
+                {middle_m, statistics_.extent_m.maxCoeff(), settings_.close_gaps_m}, ledger_);
     if (!made) return made.error();
     if (!made->is_complete && round > 0) break;  // what the rounds before joined stays joined
     const bool changes =
         std::any_of(made->surfaces.begin(), made->surfaces.end(),
                     [](const ConformingSurface& surface) { return !surface.changes.empty(); });
     statistics_.warnings.resize(warnings);  // each round finds again what it has to leave
-    if (auto error = change_nodes(made->surfaces, *solid, nodes, boxes)) return error;
+    if (auto error = change_nodes(made->surfaces, *solid)) return error;
     divided_edges += made->divided_edges;
     report_conforming(*made, divided_edges);
     if (!changes) break;
   }
-  effects.set_meshes(parts_);
+  effects.set_meshes(scene_.parts_);
   statistics_.changed_nodes =
       static_cast<std::size_t>(std::count(is_changed_.begin(), is_changed_.end(), true));
   is_changed_ = {};
   moved_m_ = {};
-  note_conforming(settings.close_gaps_m);
-  if (statistics_.changed_nodes > 0) bounds = bounds_in_scene(welded_, boxes, nodes);
+  note_conforming();
+  if (statistics_.changed_nodes > 0) {
+    bounds_scene_ = bounds_in_scene(welded_, boxes_, nodes);
+  }
   return std::nullopt;
 }
 
-// Gives each changed node a mesh of its own. A node whose mesh no other node uses keeps it.
-std::optional<Error> Scene::change_nodes(std::vector<ConformingSurface>& surfaces,
-                                         std::span<const std::uint32_t> solid,
-                                         std::vector<NodeDescription>& nodes,
-                                         std::vector<Box>& boxes) {
-  met_of_node_.clear();
-  std::vector<std::uint32_t> users(welded_.size(), 0);
-  for (const NodeDescription& node : nodes) ++users[node.mesh];
+// The memory that copies for changed nodes may use.
+std::uint64_t SceneCompiler::memory_for_changes() const {
   std::uint64_t others = 0;
   for (const WeldedSurface& mesh : welded_) others += bytes_of_surface(mesh, 0);
-  const std::uint64_t most = (ledger_->left() - std::min(others, ledger_->left())) / kOneInMemory;
+  return (ledger_.left() - std::min(others, ledger_.left())) / kOneInMemory;
+}
+
+// Gives each changed node a mesh of its own. A node whose mesh no other node uses keeps it.
+std::optional<Error> SceneCompiler::change_nodes(std::vector<ConformingSurface>& surfaces,
+                                                 std::span<const std::uint32_t> solid) {
+  met_of_node_.clear();
+  std::vector<std::uint32_t> users(welded_.size(), 0);
+  for (const NodeDescription& node : description_.nodes) ++users[node.mesh];
+  const std::uint64_t most = memory_for_changes();
   std::uint64_t used = 0;
-  std::string left_as_it_is;
-  std::size_t left_count = 0;
+  std::vector<std::uint32_t> left_as_they_are;
   for (ConformingSurface& surface : surfaces) {
     const std::uint32_t n = solid[surface.surface];
-    NodeDescription& node = nodes[n];
+    const NodeDescription& node = description_.nodes[n];
     if (surface.changes.empty()) {
       met_of_node_[n] = std::move(surface.met);
       continue;
@@ -178,48 +181,59 @@ std::optional<Error> Scene::change_nodes(std::vector<ConformingSurface>& surface
     const std::uint64_t divisions = surface.changes.divisions.size();
     const MemoryNeed change = mesh.memory_need_of_change(divisions);
     std::uint64_t kept = change.kept;
-    if (is_shared) kept += bytes_of_copy(mesh) + parts_[node.mesh].memory_bytes() + sizeof(Box);
+    if (is_shared) {
+      kept += bytes_of_copy(mesh) + scene_.parts_[node.mesh].memory_bytes() + sizeof(Box);
+    }
     const std::uint64_t later = is_shared ? bytes_of_surface(mesh, divisions) : 0;
     if (used + change.peak + kept + later > most) {
-      if (left_count++ == 0) left_as_it_is = node.name;
+      left_as_they_are.push_back(n);
       continue;
     }
     used += kept + later;
-    if (auto error = ledger_->take({kept, kept + change.peak})) return error;
-    const std::vector<Vec3> met = met_positions(mesh, surface);
-    const std::vector<std::uint32_t> first_triangles =
-        parts_[node.mesh].first_triangles(welded_[node.mesh]);
-    if (is_shared) {
-      --users[node.mesh];
-      WeldedSurface copy = welded_[node.mesh].copy();
-      welded_.push_back(std::move(copy));
-      MeshParts parts = parts_[node.mesh];
-      parts_.push_back(std::move(parts));
-      boxes.push_back(boxes[node.mesh]);
-      moved_m_.push_back(moved_m_[node.mesh]);
-      node.mesh = static_cast<std::uint32_t>(welded_.size() - 1);
-    }
-    WeldedSurface& own = welded_[node.mesh];
-    moved_m_[node.mesh] += most_moved_m(own, surface.changes);
-    own.change(surface.changes);
-    parts_[node.mesh].follow(own, first_triangles);
-    boxes[node.mesh] = box_around(own.positions());
-    met_of_node_[n] = numbers_of(met, own);
-    is_changed_[n] = true;
+    if (auto error = ledger_.take({kept, kept + change.peak})) return error;
+    if (is_shared) --users[node.mesh];
+    change_node(n, surface, is_shared);
     surface = {};  // frees the changes
   }
-  if (left_count > 0) {
-    statistics_.warnings.push_back(
-        left_as_it_is +
-        (left_count > 1 ? " and " + std::to_string(left_count - 1) + " more nodes" : "") +
-        ": not joined with the nodes that they meet, because a copy of the mesh would exceed half "
-        "of the memory left; a point may pass between the nodes. Raise "
-        "`SceneSettings::max_memory_bytes`");
-  }
+  warn_of_unchanged(left_as_they_are);
   return std::nullopt;
 }
 
-void Scene::report_conforming(const Conforming& made, std::size_t divided_edges) {
+// Changes the mesh of one node, or, if other nodes share the mesh, a copy of it.
+void SceneCompiler::change_node(std::uint32_t n, const ConformingSurface& surface, bool is_shared) {
+  NodeDescription& node = description_.nodes[n];
+  const std::vector<Vec3> met = met_positions(welded_[node.mesh], surface);
+  const std::vector<std::uint32_t> first_triangles =
+      scene_.parts_[node.mesh].first_triangles(welded_[node.mesh]);
+  if (is_shared) {
+    WeldedSurface copy = welded_[node.mesh].copy();
+    welded_.push_back(std::move(copy));
+    MeshParts parts = scene_.parts_[node.mesh];
+    scene_.parts_.push_back(std::move(parts));
+    boxes_.push_back(boxes_[node.mesh]);
+    moved_m_.push_back(moved_m_[node.mesh]);
+    node.mesh = static_cast<std::uint32_t>(welded_.size() - 1);
+  }
+  WeldedSurface& own = welded_[node.mesh];
+  moved_m_[node.mesh] += most_moved_m(own, surface.changes);
+  own.change(surface.changes);
+  scene_.parts_[node.mesh].follow(own, first_triangles);
+  boxes_[node.mesh] = box_around(own.positions());
+  met_of_node_[n] = numbers_of(met, own);
+  is_changed_[n] = true;
+}
+
+void SceneCompiler::warn_of_unchanged(const std::vector<std::uint32_t>& nodes) {
+  if (nodes.empty()) return;
+  statistics_.warnings.push_back(
+      description_.nodes[nodes.front()].name +
+      (nodes.size() > 1 ? " and " + std::to_string(nodes.size() - 1) + " more nodes" : "") +
+      ": not joined with the nodes that they meet, because a copy of the mesh would exceed half "
+      "of the memory left; a point may pass between the nodes. Raise "
+      "`SceneSettings::max_memory_bytes`");
+}
+
+void SceneCompiler::report_conforming(const Conforming& made, std::size_t divided_edges) {
   statistics_.divided_edges = divided_edges;
   statistics_.apart_vertices = made.apart;
   statistics_.least_apart_m = made.least_apart_m;
@@ -228,12 +242,12 @@ void Scene::report_conforming(const Conforming& made, std::size_t divided_edges)
 }
 
 // Notes on what was joined, and on what stays open.
-void Scene::note_conforming(double close_gaps_m) {
+void SceneCompiler::note_conforming() {
   const SceneStatistics& s = statistics_;
   std::ostringstream text;
   if (s.changed_nodes > 0) {
     text << "seams: " << s.changed_nodes << " nodes meet others only within ";
-    if (close_gaps_m > 0.0) text << close_gaps_m << " m or ";
+    if (settings_.close_gaps_m > 0.0) text << settings_.close_gaps_m << " m or ";
     text
         << "the rounding of the file's numbers; their surfaces were moved together by as much, and "
         << s.divided_edges << " edges were divided; each of these nodes has an index of its own";

@@ -1,4 +1,4 @@
-// Joins the boundaries of meshes: see SceneSettings.
+// Joins the boundaries of meshes: see SceneSettings and scene_compiler.h.
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/scene/memory_budget.h"
-#include "engine/scene/scene.h"
+#include "engine/scene/scene_compiler.h"
 #include "geometry/base/decompositions.h"
 #include "geometry/base/parallel.h"
 #include "geometry/mesh/boundary_joins.h"
@@ -107,8 +107,8 @@ double nearest_gap_m(const WeldedSurface& surface, GapLimit limit, double extent
 }  // namespace
 
 // limits: one per mesh, or none.
-std::optional<Error> Scene::join_boundaries(const std::vector<GapLimit>& limits,
-                                            JoinStatistics& joins) {
+std::optional<Error> SceneCompiler::join_boundaries(const std::vector<GapLimit>& limits,
+                                                    JoinStatistics& joins) {
   std::vector<std::size_t> open;
   std::vector<MemoryNeed> needs;
   std::size_t edges = 0;
@@ -119,8 +119,8 @@ std::optional<Error> Scene::join_boundaries(const std::vector<GapLimit>& limits,
     edges += welded_[i].report().boundary_edges;
   }
   if (open.empty()) return std::nullopt;
-  ledger_->begin("joining boundaries that meet", std::to_string(edges) + " boundary edges");
-  if (auto error = ledger_->take(sum_of(std::move(needs), core_count()))) return error;
+  ledger_.begin("joining boundaries that meet", std::to_string(edges) + " boundary edges");
+  if (auto error = ledger_.take(sum_of(std::move(needs), core_count()))) return error;
   std::vector<BoundaryJoins> found(open.size());
   run_each(0, open.size(), [&](std::size_t k) {
     found[k] = find_boundary_joins(welded_[open[k]], limits.empty() ? GapLimit{} : limits[open[k]]);
@@ -137,7 +137,7 @@ std::optional<Error> Scene::join_boundaries(const std::vector<GapLimit>& limits,
     needs.push_back(need);
   }
   if (capped_edges > 0) statistics_.warnings.push_back(warning_of_capped(capped_edges));
-  if (auto error = ledger_->take(sum_of(std::move(needs), core_count()))) return error;
+  if (auto error = ledger_.take(sum_of(std::move(needs), core_count()))) return error;
   run_each(0, open.size(), [&](std::size_t k) {
     if (!found[k].changes.empty()) welded_[open[k]].change(found[k].changes);
     found[k] = {};
@@ -145,7 +145,7 @@ std::optional<Error> Scene::join_boundaries(const std::vector<GapLimit>& limits,
   return std::nullopt;
 }
 
-std::optional<Error> Scene::join_within_rounding() {
+std::optional<Error> SceneCompiler::join_within_rounding() {
   if (auto error = join_boundaries({}, statistics_.rounding_joins)) return error;
   for (WeldedSurface& mesh : welded_) mesh.drop_unused_positions();
   const JoinStatistics& joins = statistics_.rounding_joins;
@@ -156,10 +156,9 @@ std::optional<Error> Scene::join_within_rounding() {
   return std::nullopt;
 }
 
-std::optional<Error> Scene::close_gaps(const std::vector<NodeDescription>& nodes,
-                                       const SceneSettings& settings) {
+std::optional<Error> SceneCompiler::close_gaps() {
   const double extent_m = statistics_.extent_m.maxCoeff();
-  const double gap_m = settings.close_gaps_m;
+  const double gap_m = settings_.close_gaps_m;
   if (gap_m != 0.0 && !(gap_m > 0.0 && gap_m < kMostGapPerExtent * extent_m)) {
     std::ostringstream problem;
     problem << "is " << gap_m << " m; expected more than 0 and less than a tenth of the extent of "
@@ -167,12 +166,12 @@ std::optional<Error> Scene::close_gaps(const std::vector<NodeDescription>& nodes
     return Error{ErrorCode::kInvalidArgument, "", "close_gaps_m", problem.str(),
                  "`palpate info` prints how far apart open edges are"};
   }
-  const std::vector<GapLimit> limits = gap_limits(welded_.size(), nodes, gap_m);
+  const std::vector<GapLimit> limits = gap_limits(welded_.size(), description_.nodes, gap_m);
   if (gap_m > 0.0) {
     if (auto error = join_boundaries(limits, statistics_.gap_joins)) return error;
     report_gaps(gap_m);
   }
-  if (!settings.measures_gaps) return std::nullopt;
+  if (!settings_.measures_gaps) return std::nullopt;
   double nearest_m = std::numeric_limits<double>::infinity();
   std::size_t edges_left = kMostMeasuredEdges;
   std::size_t leaves_left = kMostMeasuredLeaves;
@@ -195,7 +194,7 @@ std::optional<Error> Scene::close_gaps(const std::vector<NodeDescription>& nodes
   return std::nullopt;
 }
 
-void Scene::report_gaps(double gap_m) {
+void SceneCompiler::report_gaps(double gap_m) {
   const JoinStatistics& joins = statistics_.gap_joins;
   std::ostringstream text;
   text << "gaps of up to " << gap_m << " m: " << text_of(joins);

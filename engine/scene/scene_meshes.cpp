@@ -1,4 +1,4 @@
-// Welds, links and indexes the meshes of a scene: see scene.h.
+// Welds, links and indexes the meshes of a scene: see scene_compiler.h.
 
 #include <algorithm>
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/scene/memory_budget.h"
-#include "engine/scene/scene.h"
+#include "engine/scene/scene_compiler.h"
 #include "geometry/base/parallel.h"
 
 namespace palpate {
@@ -52,8 +52,9 @@ void add(CleaningReport& sum, const CleaningReport& report) {
 
 }  // namespace
 
-std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptions,
-                                        bool joins_within_rounding) {
+std::optional<Error> SceneCompiler::weld_meshes() {
+  std::vector<MeshDescription>& descriptions = description_.meshes;
+  const bool joins_within_rounding = settings_.joins_within_rounding;
   std::size_t triangles = 0;
   std::vector<MemoryNeed> needs;
   std::size_t largest = 0;
@@ -63,8 +64,8 @@ std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptio
     if (has_uv(mesh)) needs.back() = needs.back() + mesh.triangles.size() * sizeof(Triangle);
     if (needs.back().peak > needs[largest].peak) largest = needs.size() - 1;
   }
-  ledger_->begin("welding meshes", descriptions.empty() ? "" : mesh_named(descriptions[largest]));
-  if (auto error = ledger_->take(sum_of(std::move(needs), core_count()))) return error;
+  ledger_.begin("welding meshes", descriptions.empty() ? "" : mesh_named(descriptions[largest]));
+  if (auto error = ledger_.take(sum_of(std::move(needs), core_count()))) return error;
   welded_.resize(descriptions.size());
   file_meshes_ = welded_.size();
   run_meshes(descriptions.size(), triangles, [&](std::size_t i) {
@@ -79,39 +80,41 @@ std::optional<Error> Scene::weld_meshes(std::vector<MeshDescription>& descriptio
 }
 
 // Compiles the parts of the meshes, whose faces must not change any more.
-void Scene::take_parts(std::vector<MeshDescription>& descriptions) {
+void SceneCompiler::take_parts() {
+  std::vector<MeshDescription>& descriptions = description_.meshes;
   for (std::size_t i = 0; i < descriptions.size(); ++i) {
-    parts_.emplace_back(welded_[i], std::move(descriptions[i]));
+    scene_.parts_.emplace_back(welded_[i], std::move(descriptions[i]));
     descriptions[i] = {};  // frees the data that is now compiled
   }
 }
 
 // The memory of the triangles by slot, for the indices of bodies with seams.
-std::uint64_t Scene::corner_bytes(const Seams& seams) const {
-  std::vector<bool> has_seams(shapes_.size(), false);
-  for (const SeamBody& body : seams.bodies) has_seams[use_of_object_[body.surface].shape] = true;
+std::uint64_t SceneCompiler::corner_bytes(const Seams& seams) const {
+  std::vector<bool> has_seams(scene_.shapes_.size(), false);
+  for (const SeamBody& body : seams.bodies)
+    has_seams[scene_.use_of_object_[body.surface].shape] = true;
   std::uint64_t bytes = 0;
-  for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    if (has_seams[i]) bytes += sizeof(Triangle) * welded_[shapes_[i].mesh].face_count();
+  for (std::size_t i = 0; i < scene_.shapes_.size(); ++i) {
+    if (has_seams[i]) bytes += sizeof(Triangle) * welded_[scene_.shapes_[i].mesh].face_count();
   }
   return bytes;
 }
 
 // Takes the memory of adjacency, indices and the corners of bodies with seams from the ledger. An
 // error names a node with the mesh whose indices need the most memory.
-std::optional<Error> Scene::take_surfaces(const Seams& seams) {
+std::optional<Error> SceneCompiler::take_surfaces(const Seams& seams) {
   std::vector<MemoryNeed> needs;
   for (const WeldedSurface& mesh : welded_) needs.push_back(SurfaceMesh::memory_need(mesh));
   std::vector<std::uint64_t> of_mesh(welded_.size(), 0);
   std::vector<std::uint64_t> shapes_of_mesh(welded_.size(), 0);
-  for (const IndexShape& shape : shapes_) {
+  for (const IndexShape& shape : scene_.shapes_) {
     needs.push_back(SurfaceIndex::memory_need(welded_[shape.mesh].face_count()) +
                     sizeof(IndexShape));
     of_mesh[shape.mesh] += needs.back().kept;
     ++shapes_of_mesh[shape.mesh];
   }
   MemoryNeed need = sum_of(std::move(needs), core_count() + 1);
-  need = need + world_.stretches->size() * sizeof(Stretch);
+  need = need + scene_.world_.stretches->size() * sizeof(Stretch);
   for (const SeamBody& body : seams.bodies) {
     need = need + (sizeof(SolverCorners) + body.joined.size() * sizeof(JoinedVertex));
   }
@@ -119,41 +122,41 @@ std::optional<Error> Scene::take_surfaces(const Seams& seams) {
   const auto largest =
       static_cast<std::size_t>(std::max_element(of_mesh.begin(), of_mesh.end()) - of_mesh.begin());
   const auto shows_it = [&](const SceneObject& object) { return object.mesh == largest; };
-  const auto object = std::find_if(objects_.begin(), objects_.end(), shows_it);
-  const bool is_object = object != objects_.end();
+  const auto object = std::find_if(scene_.objects_.begin(), scene_.objects_.end(), shows_it);
+  const bool is_object = object != scene_.objects_.end();
   std::string element = is_object ? node_named(object->name) : "media";
   if (shapes_of_mesh[largest] > 1) {
     element += ", whose mesh has " + std::to_string(shapes_of_mesh[largest]) + " shapes";
   }
-  ledger_->begin("building indices", std::move(element));
-  return ledger_->take(need);
+  ledger_.begin("building indices", std::move(element));
+  return ledger_.take(need);
 }
 
 // Builds adjacency and indices at the same time: both depend only on the welded surfaces.
-void Scene::build_meshes_and_indices() {
+void SceneCompiler::build_meshes_and_indices() {
   std::size_t triangles = 0;
   for (const WeldedSurface& mesh : welded_) triangles += mesh.face_count();
-  meshes_.resize(welded_.size());
-  indices_.resize(shapes_.size());
+  scene_.meshes_.resize(welded_.size());
+  scene_.indices_.resize(scene_.shapes_.size());
   run_both(
       [&] {
-        run_meshes(shapes_.size(), triangles, [&](std::size_t i) {
-          const WeldedSurface& mesh = welded_[shapes_[i].mesh];
-          indices_[i] = std::make_unique<SurfaceIndex>(
-              MappedFaces{mesh.positions(), mesh.faces(), shapes_[i].map_index_mesh},
-              shapes_[i].sweep_radius);
+        run_meshes(scene_.shapes_.size(), triangles, [&](std::size_t i) {
+          const WeldedSurface& mesh = welded_[scene_.shapes_[i].mesh];
+          scene_.indices_[i] = std::make_unique<SurfaceIndex>(
+              MappedFaces{mesh.positions(), mesh.faces(), scene_.shapes_[i].map_index_mesh},
+              scene_.shapes_[i].sweep_radius);
         });
       },
       [&] {
         run_meshes(welded_.size(), triangles,
-                   [&](std::size_t i) { meshes_[i] = SurfaceMesh(welded_[i]); });
+                   [&](std::size_t i) { scene_.meshes_[i] = SurfaceMesh(welded_[i]); });
       });
   std::vector<WeldedSurface>().swap(welded_);
-  for (std::size_t i = 0; i < meshes_.size(); ++i) {
-    if (i < file_meshes_) add(statistics_.cleaning, meshes_[i].report());
-    statistics_.memory += meshes_[i].memory();
+  for (std::size_t i = 0; i < scene_.meshes_.size(); ++i) {
+    if (i < file_meshes_) add(statistics_.cleaning, scene_.meshes_[i].report());
+    statistics_.memory += scene_.meshes_[i].memory();
   }
-  for (const auto& index : indices_) statistics_.memory += index->memory();
+  for (const auto& index : scene_.indices_) statistics_.memory += index->memory();
 }
 
 }  // namespace palpate

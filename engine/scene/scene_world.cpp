@@ -1,4 +1,4 @@
-// Turns the nodes of a scene into the bodies of its world: see scene.h.
+// Turns the nodes of a scene into the bodies of its world: see scene_compiler.h.
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "engine/scene/memory_budget.h"
-#include "engine/scene/scene.h"
+#include "engine/scene/scene_compiler.h"
 
 namespace palpate {
 namespace {
@@ -24,22 +24,22 @@ double sweep_radius_m(double size_m, double proxy_radius_m) {
 }  // namespace
 
 // Takes the memory of all placed nodes, without their surfaces, from the ledger.
-std::optional<Error> Scene::take_places(const std::vector<NodeDescription>& nodes) {
+std::optional<Error> SceneCompiler::take_places() {
+  const std::vector<NodeDescription>& nodes = description_.nodes;
   constexpr std::uint64_t kKept = sizeof(SceneObject) + sizeof(IndexUse) + sizeof(std::size_t) +
                                   sizeof(std::uint32_t) + sizeof(ContactBody);
   MemoryNeed need;
   for (const NodeDescription& node : nodes) need.kept += kKept + text_bytes(node.name);
   need.peak = need.kept + nodes.size() * sizeof(NodePlacement);
   if (nodes.size() > kFewBodies) need = need + BoxTree::memory_need(nodes.size());
-  ledger_->begin("placing nodes", std::to_string(nodes.size()) + " nodes");
-  return ledger_->take(need);
+  ledger_.begin("placing nodes", std::to_string(nodes.size()) + " nodes");
+  return ledger_.take(need);
 }
 
-// Removes the nodes that have no surface to touch, and returns the placements of the others.
-std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes) {
-  std::vector<NodePlacement> placements;
-  placements.reserve(nodes.size());
-  std::erase_if(nodes, [&](const NodeDescription& node) {
+// Removes the nodes that have no surface to touch, and places the others.
+void SceneCompiler::keep_touchable_nodes() {
+  placements_.reserve(description_.nodes.size());
+  std::erase_if(description_.nodes, [&](const NodeDescription& node) {
     if (welded_[node.mesh].face_count() == 0) return true;
     const auto placement = split_linear(node.linear_scene_mesh);
     if (!placement || !node.translation_m.allFinite()) {
@@ -47,115 +47,99 @@ std::vector<NodePlacement> Scene::touchable(std::vector<NodeDescription>& nodes)
                                      ": left out because its transform flattens the surface");
       return true;
     }
-    placements.push_back(*placement);
+    placements_.push_back(*placement);
     return false;
   });
-  return placements;
 }
 
-std::optional<Error> Scene::add_surfaces(const std::vector<NodeDescription>& nodes,
-                                         const std::vector<NodePlacement>& placements,
-                                         std::span<const Box> boxes, double proxy_radius_m,
-                                         SceneEffects& effects) {
+std::optional<Error> SceneCompiler::add_surfaces(SceneEffects& effects) {
+  const std::vector<NodeDescription>& nodes = description_.nodes;
   const double size_m = statistics_.extent_m.maxCoeff();
-  IndexSharing sharing(welded_, boxes, sweep_radius_m(size_m, proxy_radius_m), size_m);
-  for (std::size_t i = 0; i < nodes.size(); ++i) sharing.examine(nodes[i].mesh, placements[i]);
-  objects_.reserve(nodes.size());
-  use_of_object_.reserve(nodes.size());
+  IndexSharing sharing(welded_, boxes_, sweep_radius_m(size_m, settings_.proxy_radius_m), size_m);
+  for (std::size_t i = 0; i < nodes.size(); ++i) sharing.examine(nodes[i].mesh, placements_[i]);
+  scene_.objects_.reserve(nodes.size());
+  scene_.use_of_object_.reserve(nodes.size());
   std::vector<IndexUse> uses;
   uses.reserve(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    uses.push_back(sharing.use(nodes[i].mesh, placements[i]));
+    uses.push_back(sharing.use(nodes[i].mesh, placements_[i]));
   }
-  shapes_ = sharing.take_shapes();
-  world_.stretches = std::make_shared<const std::vector<Stretch>>(sharing.take_stretches());
+  scene_.shapes_ = sharing.take_shapes();
+  scene_.world_.stretches = std::make_shared<const std::vector<Stretch>>(sharing.take_stretches());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const NodeDescription& node = nodes[i];
     const auto material_set = effects.material_set(node.name, node.mesh, node.physics_material);
     if (!material_set) return material_set.error();
-    const Vec3 middle_m = -uses[i].metres_per_unit * map_body_mesh(uses[i]).translation_m;
-    const Quat& rotation = placements[i].rotation;
+    const Vec3 middle_m = -uses[i].metres_per_unit * scene_.map_body_mesh(uses[i]).translation_m;
+    const Quat& rotation = placements_[i].rotation;
     const RigidTransform T_scene_body{rotation, node.translation_m + rotation * middle_m};
     statistics_.instanced_triangles += welded_[node.mesh].face_count();
     if (!effects.is_solid(*material_set)) {
       media_.push_back({node.name, uses[i], *material_set, T_scene_body});
       continue;
     }
-    objects_.push_back({node.name, node.mesh, node.tree_node, T_scene_body, node.physics_material});
-    use_of_object_.push_back(uses[i]);
+    scene_.objects_.push_back(
+        {node.name, node.mesh, node.tree_node, T_scene_body, node.physics_material});
+    scene_.use_of_object_.push_back(uses[i]);
     material_set_of_object_.push_back(*material_set);
     node_of_object_.push_back(static_cast<std::uint32_t>(i));
   }
-  statistics_.instances = objects_.size() + media_.size();
-  statistics_.indices = shapes_.size();
+  statistics_.instances = scene_.objects_.size() + media_.size();
+  statistics_.indices = scene_.shapes_.size();
   return std::nullopt;
 }
 
-AffineMap Scene::map_body_mesh(const IndexUse& use) const {
-  const AffineMap& map = shapes_[use.shape].map_index_mesh;
-  if (use.stretch == IndexUse::kNoStretch) return map;
-  const Mat3& linear = (*world_.stretches)[use.stretch].linear_body_index();
-  return {linear * map.linear, linear * map.translation_m};
-}
-
-AffineMap Scene::map_body_mesh(std::size_t object) const {
-  return map_body_mesh(use_of_object_[object]);
-}
-
-AffineMap Scene::deformation(std::size_t object) const {
-  const double metres_per_unit = use_of_object_[object].metres_per_unit;
-  const AffineMap map = map_body_mesh(object);
-  return {metres_per_unit * map.linear, metres_per_unit * map.translation_m};
-}
-
-std::optional<Error> Scene::build_world(const Box& bounds_scene,
-                                        const std::vector<NodeDescription>& nodes,
-                                        const SceneSettings& settings) {
-  world_.size_m = statistics_.extent_m.maxCoeff();
+std::optional<Error> SceneCompiler::build_world() {
+  scene_.world_.size_m = statistics_.extent_m.maxCoeff();
   // A single body is solved in its own frame, which needs no transform and causes no rounding.
-  world_.anchor_scene_m = objects_.size() == 1 ? objects_[0].T_scene_body.translation_m
-                                               : Vec3(0.5 * (bounds_scene.low + bounds_scene.high));
-  world_.bounds_solver = {world_.to_solver(bounds_scene.low), world_.to_solver(bounds_scene.high)};
-  auto found = seams_of(nodes);
+  scene_.world_.anchor_scene_m = scene_.objects_.size() == 1
+                                     ? scene_.objects_[0].T_scene_body.translation_m
+                                     : Vec3(0.5 * (bounds_scene_.low + bounds_scene_.high));
+  scene_.world_.bounds_solver = {scene_.world_.to_solver(bounds_scene_.low),
+                                 scene_.world_.to_solver(bounds_scene_.high)};
+  auto found = find_node_seams();
   if (!found) return found.error();
   Seams seams = std::move(*found);
   report_seams(seams);
   if (auto error = take_surfaces(seams)) return error;
-  if (settings.proxy_radius_m == 0.0) widen_sweeps(seams);
+  if (settings_.proxy_radius_m == 0.0) widen_sweeps(seams);
   build_meshes_and_indices();
   add_bodies();
-  if (!seams.bodies.empty()) add_corners(seams, nodes, settings.joins_within_rounding);
+  if (!seams.bodies.empty()) add_corners(seams);
   node_of_object_ = {};
   met_of_node_ = {};
-  statistics_.memory.places =
-      objects_.capacity() * sizeof(SceneObject) + tree_.capacity() * sizeof(TreeNode) +
-      use_of_object_.capacity() * sizeof(IndexUse) +
-      world_.bodies.capacity() * sizeof(ContactBody) + shapes_.capacity() * sizeof(IndexShape) +
-      world_.stretches->capacity() * sizeof(Stretch) +
-      (world_.seams ? world_.seams->memory_bytes() : 0);
-  for (const SceneObject& object : objects_) statistics_.memory.places += text_bytes(object.name);
-  for (const TreeNode& node : tree_) statistics_.memory.places += text_bytes(node.name);
-  if (world_.bodies.size() <= kFewBodies) return std::nullopt;
+  statistics_.memory.places = scene_.objects_.capacity() * sizeof(SceneObject) +
+                              scene_.tree_.capacity() * sizeof(TreeNode) +
+                              scene_.use_of_object_.capacity() * sizeof(IndexUse) +
+                              scene_.world_.bodies.capacity() * sizeof(ContactBody) +
+                              scene_.shapes_.capacity() * sizeof(IndexShape) +
+                              scene_.world_.stretches->capacity() * sizeof(Stretch) +
+                              (scene_.world_.seams ? scene_.world_.seams->memory_bytes() : 0);
+  for (const SceneObject& object : scene_.objects_)
+    statistics_.memory.places += text_bytes(object.name);
+  for (const TreeNode& node : scene_.tree_) statistics_.memory.places += text_bytes(node.name);
+  if (scene_.world_.bodies.size() <= kFewBodies) return std::nullopt;
   std::vector<Box> boxes;
-  boxes.reserve(world_.bodies.size());
-  for (const ContactBody& body : world_.bodies) boxes.push_back(body.box_solver());
-  world_.tree =
-      std::make_shared<BoxTree>(boxes, sweep_radius_m(world_.size_m, settings.proxy_radius_m));
-  statistics_.memory.places += world_.tree->memory_bytes();
+  boxes.reserve(scene_.world_.bodies.size());
+  for (const ContactBody& body : scene_.world_.bodies) boxes.push_back(body.box_solver());
+  scene_.world_.tree = std::make_shared<BoxTree>(
+      boxes, sweep_radius_m(scene_.world_.size_m, settings_.proxy_radius_m));
+  statistics_.memory.places += scene_.world_.tree->memory_bytes();
   return std::nullopt;
 }
 
-void Scene::add_bodies() {
-  world_.bodies.reserve(objects_.size());
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const RigidTransform& T_scene_body = objects_[i].T_scene_body;
-    const IndexUse& use = use_of_object_[i];
-    ContactBody& body = world_.bodies.emplace_back();
-    body.index = indices_[use.shape].get();
-    body.place({T_scene_body.rotation, world_.to_solver(T_scene_body.translation_m)});
+void SceneCompiler::add_bodies() {
+  scene_.world_.bodies.reserve(scene_.objects_.size());
+  for (std::size_t i = 0; i < scene_.objects_.size(); ++i) {
+    const RigidTransform& T_scene_body = scene_.objects_[i].T_scene_body;
+    const IndexUse& use = scene_.use_of_object_[i];
+    ContactBody& body = scene_.world_.bodies.emplace_back();
+    body.index = scene_.indices_[use.shape].get();
+    body.place({T_scene_body.rotation, scene_.world_.to_solver(T_scene_body.translation_m)});
     body.metres_per_unit = use.metres_per_unit;
     body.units_per_metre = 1.0 / use.metres_per_unit;
-    if (use.stretch != IndexUse::kNoStretch) body.stretch = &(*world_.stretches)[use.stretch];
+    if (use.stretch != IndexUse::kNoStretch)
+      body.stretch = &(*scene_.world_.stretches)[use.stretch];
   }
 }
 
@@ -163,42 +147,43 @@ void Scene::add_bodies() {
 // the search examines triangles at a distance of up to one stand-off, beyond the boxes built for a
 // point. Relative to a tiny body this distance is large; such a body keeps its sweep radius and is
 // not searched with Embree (SegmentTracer).
-void Scene::widen_sweeps(const Seams& seams) {
+void SceneCompiler::widen_sweeps(const Seams& seams) {
   constexpr double kMostSweep = 0x1p-10;  // of the size of the mesh
-  const double reach_m = SolverScale::of(world_.size_m, 0.0).stand_off_m;
+  const double reach_m = SolverScale::of(scene_.world_.size_m, 0.0).stand_off_m;
   const auto widen = [&](const IndexUse& use, double sweep_radius) {
-    double& widest = shapes_[use.shape].sweep_radius;
+    double& widest = scene_.shapes_[use.shape].sweep_radius;
     if (sweep_radius <= kMostSweep) widest = std::max(widest, sweep_radius);
   };
   for (const SeamBody& body : seams.bodies) {
-    const IndexUse& use = use_of_object_[body.surface];
+    const IndexUse& use = scene_.use_of_object_[body.surface];
     widen(use, reach_m / std::abs(use.metres_per_unit));
   }
   // Steps that begin farther away are rare.
-  const Vec3 far_m = Vec3::Constant(world_.size_m);
-  for (const IndexUse& use : use_of_object_) {
+  const Vec3 far_m = Vec3::Constant(scene_.world_.size_m);
+  for (const IndexUse& use : scene_.use_of_object_) {
     if (use.stretch == IndexUse::kNoStretch) continue;
-    widen(use, (*world_.stretches)[use.stretch].reach_index(reach_m, far_m));
+    widen(use, (*scene_.world_.stretches)[use.stretch].reach_index(reach_m, far_m));
   }
 }
 
-Result<Seams> Scene::seams_of(const std::vector<NodeDescription>& nodes) const {
-  ledger_->begin("joining nodes that meet", std::to_string(objects_.size()) + " nodes");
-  if (auto error = ledger_->check(objects_.size() * sizeof(SeamSurface))) return *error;
+Result<Seams> SceneCompiler::find_node_seams() {
+  ledger_.begin("joining nodes that meet", std::to_string(scene_.objects_.size()) + " nodes");
+  if (auto error = ledger_.check(scene_.objects_.size() * sizeof(SeamSurface))) return *error;
   std::vector<SeamSurface> surfaces;
-  surfaces.reserve(objects_.size());
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const IndexUse& use = use_of_object_[i];
+  surfaces.reserve(scene_.objects_.size());
+  for (std::size_t i = 0; i < scene_.objects_.size(); ++i) {
+    const IndexUse& use = scene_.use_of_object_[i];
     const auto met = met_of_node_.find(node_of_object_[i]);
-    surfaces.push_back({&nodes[node_of_object_[i]], use.metres_per_unit * map_body_mesh(use).linear,
-                        objects_[i].T_scene_body.rotation,
+    surfaces.push_back({&description_.nodes[node_of_object_[i]],
+                        use.metres_per_unit * scene_.map_body_mesh(use).linear,
+                        scene_.objects_[i].T_scene_body.rotation,
                         met == met_of_node_.end() ? std::span<const std::uint32_t>()
                                                   : std::span<const std::uint32_t>(met->second)});
   }
-  return find_seams(welded_, surfaces, world_.anchor_scene_m, world_.size_m, *ledger_);
+  return find_seams(welded_, surfaces, scene_.world_.anchor_scene_m, scene_.world_.size_m, ledger_);
 }
 
-void Scene::report_seams(const Seams& seams) {
+void SceneCompiler::report_seams(const Seams& seams) {
   statistics_.seam_vertices = seams.vertices;
   statistics_.seam_places = seams.places;
   statistics_.seam_nodes = seams.bodies.size();
@@ -213,7 +198,7 @@ void Scene::report_seams(const Seams& seams) {
     if (surfaces.empty()) return;
     const std::size_t others = surfaces.size() - 1;
     statistics_.warnings.push_back(
-        objects_[surfaces.front()].name +
+        scene_.objects_[surfaces.front()].name +
         (others > 0 ? " and " + std::to_string(others) + " more nodes" : "") + problem);
   };
   warn(seams.too_far,
@@ -228,29 +213,30 @@ void Scene::report_seams(const Seams& seams) {
 }
 
 // Sets the corners of the bodies with seams, for a point. The indices must exist.
-void Scene::add_corners(Seams& seams, const std::vector<NodeDescription>& nodes,
-                        bool are_for_contacts) {
+void SceneCompiler::add_corners(Seams& seams) {
   constexpr std::size_t kNone = ~std::size_t{0};
-  std::vector<std::size_t> slots_of_shape(shapes_.size(), kNone);
+  std::vector<std::size_t> slots_of_shape(scene_.shapes_.size(), kNone);
   const auto made = std::make_shared<SeamedBodies>();
   for (const SeamBody& body : seams.bodies) {
-    const std::size_t shape = use_of_object_[body.surface].shape;
+    const std::size_t shape = scene_.use_of_object_[body.surface].shape;
     if (slots_of_shape[shape] != kNone) continue;
     slots_of_shape[shape] = made->slots.size();
-    made->slots.push_back(vertices_of_slots(*indices_[shape], meshes_[shapes_[shape].mesh]));
+    made->slots.push_back(
+        vertices_of_slots(*scene_.indices_[shape], scene_.meshes_[scene_.shapes_[shape].mesh]));
   }
   made->bodies.reserve(seams.bodies.size());
   for (SeamBody& body : seams.bodies) {
-    const std::size_t shape = use_of_object_[body.surface].shape;
-    const NodeDescription& node = nodes[node_of_object_[body.surface]];
+    const std::size_t shape = scene_.use_of_object_[body.surface].shape;
+    const NodeDescription& node = description_.nodes[node_of_object_[body.surface]];
     body.joined.shrink_to_fit();
     made->bodies.push_back(std::make_unique<SolverCorners>(
-        meshes_[shapes_[shape].mesh].welded_positions(), made->slots[slots_of_shape[shape]],
-        node.linear_scene_mesh, world_.to_solver(node.translation_m), std::move(body.joined),
-        are_for_contacts));
-    world_.bodies[body.surface].corners = made->bodies.back().get();
+        scene_.meshes_[scene_.shapes_[shape].mesh].welded_positions(),
+        made->slots[slots_of_shape[shape]], node.linear_scene_mesh,
+        scene_.world_.to_solver(node.translation_m), std::move(body.joined),
+        settings_.joins_within_rounding));
+    scene_.world_.bodies[body.surface].corners = made->bodies.back().get();
   }
-  world_.seams = made;
+  scene_.world_.seams = made;
 }
 
 }  // namespace palpate

@@ -13,10 +13,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
 void sleep_until(std::int64_t due_ns) {
-  const timespec due{due_ns / kNanosecondsPerSecond, due_ns % kNanosecondsPerSecond};
+  const timespec due{due_ns / kSecond_ns, due_ns % kSecond_ns};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR) {
   }
 }
@@ -72,7 +70,7 @@ void HapticThread::run() {
   is_ready_.notify_one();
   begin_.wait(false, std::memory_order_acquire);
   const double dt_s = 1.0 / settings_.rate_Hz;
-  const double period_ns = static_cast<double>(kNanosecondsPerSecond) * dt_s;
+  const double period_ns = static_cast<double>(kSecond_ns) * dt_s;
   meter_.start(settings_.cpu_times_ns);
   const std::int64_t start_ns = monotonic_ns();
   std::int64_t period = 0;

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 
+#include "engine/session/live_setting.h"
 #include "haptics/effects/effect_program.h"
 
 namespace palpate {
@@ -28,7 +29,7 @@ consteval bool table_is_in_order() {
     if (facts.kind != static_cast<InputKind>(k)) return false;
     if (facts.least_bytes > facts.most_bytes || facts.most_bytes > kMostInputBytes) return false;
   }
-  return kInputKinds.size() == static_cast<std::size_t>(InputKind::kFreeHand) + 1;
+  return kInputKinds.size() == static_cast<std::size_t>(InputKind::kSetting) + 1;
 }
 static_assert(table_is_in_order());
 
@@ -61,15 +62,14 @@ bool apply_change(const TickInput& input, HapticLoop& loop) noexcept {
       return actuation.has_value();
     }
     case InputKind::kA4:
-      loop.set_a4(input.handle != 0);
-      return true;
     case InputKind::kForce:
-      loop.set_force(static_cast<ForceMode>(input.handle));
-      return true;
-    case InputKind::kCoupling: {
-      const auto n = numbers_of<2>(input.bytes);
-      loop.set_coupling(n[0], n[1]);
-      return true;
+    case InputKind::kCoupling:
+    case InputKind::kSetting: {
+      const LiveChanges changes(input);
+      for (const LiveChange& change : changes.all()) {
+        kLiveSettings[change.setting].set(loop, change.value);
+      }
+      return !changes.all().empty();
     }
     case InputKind::kFreeHand:
       input.handle != 0 ? loop.free_hand() : loop.hold_hand();
@@ -106,9 +106,9 @@ void LoopChanges::set_actuation(const ActuationModel& actuation) noexcept {
         bytes_of(numbers)});
 }
 
-void LoopChanges::set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept {
-  const std::array<double, 2> numbers{stiffness_N_per_m, damping_Ns_per_m};
-  make({InputKind::kCoupling, 0, bytes_of(numbers)});
+void LoopChanges::set(std::size_t setting, double value) noexcept {
+  const std::array<double, 1> number{value};
+  make({InputKind::kSetting, kLiveSettings[setting].number, bytes_of(number)});
 }
 
 void LoopChanges::set_effect_parameters(std::uint32_t call, std::uint16_t effect,

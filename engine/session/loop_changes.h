@@ -31,11 +31,8 @@ class LoopChanges {
   // the other bytes are fixed when a scene is compiled, and may be addresses of this process.
   void set_effect_parameters(std::uint32_t call, std::uint16_t effect,
                              std::span<const std::byte> parameters) noexcept;
-  void set_a4(bool enabled) noexcept { make({InputKind::kA4, enabled ? 1u : 0u}); }
-  void set_force(ForceMode force) noexcept {
-    make({InputKind::kForce, static_cast<std::uint32_t>(force)});
-  }
-  void set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept;
+  // setting: its place in kLiveSettings. The value must be one that the setting can have.
+  void set(std::size_t setting, double value) noexcept;
   void free_hand() noexcept { make({InputKind::kFreeHand, 1}); }
   void hold_hand() noexcept { make({InputKind::kFreeHand, 0}); }
 

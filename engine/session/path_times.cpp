@@ -5,13 +5,12 @@
 #include <limits>
 #include <utility>
 
+#include "engine/devices/monotonic_clock.h"
 #include "engine/scene/memory_budget.h"
 #include "palpate/record.h"
 
 namespace palpate {
 namespace {
-
-constexpr double kNanosecondsInSecond = 1e9;
 
 std::vector<std::int64_t> intervals_of(std::span<const std::int64_t> times_ns) {
   std::vector<std::int64_t> intervals_ns;
@@ -63,7 +62,7 @@ std::vector<double> tick_lengths_s(std::span<const std::int64_t> times_ns, doubl
   std::vector<double> lengths_s;
   lengths_s.reserve(times_ns.size());
   const auto add = [&](std::int64_t length_ns) {
-    lengths_s.push_back(static_cast<double>(length_ns) / kNanosecondsInSecond);
+    lengths_s.push_back(static_cast<double>(length_ns) / kSecond_ns);
   };
   add(lower_median(intervals_ns));
   for (const std::int64_t interval_ns : intervals_ns) add(interval_ns);
@@ -73,7 +72,7 @@ std::vector<double> tick_lengths_s(std::span<const std::int64_t> times_ns, doubl
 Result<RatePath> path_at_rate(std::span<const Vec3> positions_m,
                               std::span<const std::int64_t> times_ns, double rate_Hz,
                               bool are_summed, std::uint64_t max_memory_bytes) {
-  const double period_ns = kNanosecondsInSecond / rate_Hz;
+  const double period_ns = kSecond_ns / rate_Hz;
   const auto last_ns = static_cast<double>(times_ns.back());
   const double last_same_ns =
       kSameTime_ns + (are_summed ? sum_rounding_ns(last_ns / period_ns, period_ns) : 0.0);

@@ -4,6 +4,7 @@
 
 #include "engine/devices/path_device.h"
 #include "engine/session/haptic_session.h"
+#include "geometry/base/memory_ledger.h"
 
 namespace palpate {
 namespace {

@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "geometry/base/degrees.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kRadToDeg = 180.0 / std::numbers::pi;
-constexpr double kFeasibleAngleRad = 30.0 / kRadToDeg;  // Barbagli & Salisbury 2003
+constexpr double kFeasibleAngleRad = 30.0 / kDegreesPerRad;  // Barbagli & Salisbury 2003
 
 }  // namespace
 
@@ -80,7 +79,7 @@ RunSummary SummaryAccumulator::finish(std::vector<std::int64_t> steps_ns) const 
   if (summary.contact_ticks > 0) {
     const auto contact_ticks = static_cast<double>(summary.contact_ticks);
     summary.mean_penetration_m = penetration_sum_m_ / contact_ticks;
-    summary.mean_contact_angle_deg = angle_sum_rad_ / contact_ticks * kRadToDeg;
+    summary.mean_contact_angle_deg = angle_sum_rad_ / contact_ticks * kDegreesPerRad;
     summary.share_within_30deg = static_cast<double>(within_30deg_) / contact_ticks;
   }
   summary.device_extent_m = highest_m_ - lowest_m_;

@@ -25,14 +25,15 @@ enum class InputKind : std::uint16_t {
   kBadBodyPose,       // a pose that was refused before it reached the loop
   kActuation,         // the actuated axes
   kEffectParameters,  // parameters of one call of the world's effect program
-  kA4,                // A4 on or off
-  kForce,             // the part of the force that is commanded
-  kCoupling,          // stiffness and damping of surfaces that declare none
+  kA4,                // A4 on or off; only in recordings of before kSetting
+  kForce,             // the part of the force that is commanded; likewise
+  kCoupling,          // stiffness and damping of surfaces that declare none; likewise
   kMotors,            // the motors of a device whose motors turn
   kRearm,             // the end of a trip
   kTrip,              // the device asks the governor to trip: a fault of the driver or of the guard
   kPause,             // ticks in which the session was paused, before this tick
-  kFreeHand           // the hand is free of surfaces and force, or no longer
+  kFreeHand,          // the hand is free of surfaces and force, or no longer
+  kSetting            // a setting of kLiveSettings (live_setting.h)
 };
 
 struct InputKindFacts {
@@ -65,6 +66,8 @@ inline constexpr std::array kInputKinds = {
     InputKindFacts{InputKind::kPause, "pause", 8, 8, "0",
                    "the number of paused ticks, unsigned, 8 bytes"},
     InputKindFacts{InputKind::kFreeHand, "free_hand", 0, 0, "1: free, also again; 0: not", "none"},
+    InputKindFacts{InputKind::kSetting, "setting", 8, 8, "number of the setting",
+                   "0 or 1 for a flag, the place of the choice, or the number, as a double"},
 };
 inline constexpr std::size_t kMostInputBytes = 120;
 

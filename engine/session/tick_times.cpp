@@ -13,8 +13,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-
 // Bits of a time that select its bucket within a power of two.
 constexpr int kFineBits = 5;
 constexpr std::size_t kFine = std::size_t{1} << kFineBits;

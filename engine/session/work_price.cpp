@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/devices/monotonic_clock.h"
 #include "geometry/base/random.h"
 #include "geometry/index/surface_index.h"
 #include "geometry/mesh/surface_mesh.h"
@@ -104,9 +105,8 @@ double unit_price_ns() {
 }
 
 MeasuredBudget work_budget_for(double dt_s, double unit_ns) {
-  constexpr double kNanoseconds = 1e9;
   const double share = 1.0 + 1.0 / static_cast<double>(Accuracy::kEffectsPart);
-  const double units = kWorkPerPeriod * dt_s * kNanoseconds / (unit_ns * share);
+  const double units = kWorkPerPeriod * dt_s * kSecond_ns / (unit_ns * share);
   const double digit = std::pow(10.0, std::floor(std::log10(std::max(units, 1.0))) - 1.0);
   const double rounded = std::floor(units / digit) * digit;
   return {std::max(kLeastBudget, static_cast<WorkUnits>(rounded)), unit_ns};

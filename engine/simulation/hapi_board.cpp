@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numbers>
+
+#include "geometry/base/degrees.h"
 
 namespace palpate {
 namespace {
 
 using FaultKind = BoardFault::Kind;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kPlantStep_ns = 200'000;  // short beside the periods of hand and wall
 
 bool acts_at(const BoardFault& fault, std::int64_t now_ns) {
@@ -19,7 +19,7 @@ bool acts_at(const BoardFault& fault, std::int64_t now_ns) {
 
 Vec2 rest_tip(const BoardSettings& settings) {
   const FiveBar bar(settings.plant.links);
-  return bar.forward(kDegree * settings.rest_deg).value_or(Vec2::Zero());
+  return bar.forward(kRadPerDegree * settings.rest_deg).value_or(Vec2::Zero());
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ void HapiBoard::advance(std::int64_t now_ns) {
 }
 
 HapiFirmware::Joints HapiBoard::joints_deg() const {
-  const Vec2 degrees = plant_.joints_rad() / kDegree;
+  const Vec2 degrees = plant_.joints_rad() / kRadPerDegree;
   return {degrees[0], degrees[1], 0.0, 0.0};
 }
 

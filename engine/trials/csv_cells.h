@@ -58,7 +58,7 @@ struct ValueOf<std::optional<Value>> {
 
 // The cells of one kind of row. member: a pointer to a member, or a function (auto& row) -> auto&.
 template <class Row>
-struct Cells {
+struct CsvCells {
   // A std::string.
   template <class Member>
   static Cell<Row> name(Member member) {

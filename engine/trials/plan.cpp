@@ -23,11 +23,6 @@ namespace fs = std::filesystem;
 
 constexpr NumberRange kLengthRange_m{0.0, 1.0, true};
 constexpr NumberRange kLimitRange_s{0.0, 3600.0, true};
-// Faster than any display. Together with the longest delay of an operator file, the limit bounds
-// the pictures that a simulated person has not seen yet.
-constexpr NumberRange kDisplayRange_Hz{0.0, 1e4, true};
-// Of a trial, as of `run`: an hour at 1000 Hz. The limit bounds the time until a trial ends.
-constexpr double kMostTrialTicks = 4e6;
 
 Error plan_error(std::string element, std::string problem, std::string hint = {}) {
   return {ErrorCode::kInvalidContent, "", std::move(element), std::move(problem), std::move(hint)};

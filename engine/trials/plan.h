@@ -29,6 +29,11 @@ inline constexpr std::size_t kMostPlanObjects = 100;
 inline constexpr std::size_t kMostPlanStrategies = 100;
 inline constexpr std::size_t kMostObjectNameBytes = 40;
 inline constexpr std::size_t kMostPlanLevels = 100;  // of the view, start orientation and scale
+// Of a trial, as of `run`: an hour at 1000 Hz. The limit bounds the time until a trial ends.
+inline constexpr double kMostTrialTicks = 4e6;
+// Faster than any display. Together with the longest delay of an operator file, the limit bounds
+// the pictures that a simulated person has not seen yet.
+inline constexpr NumberRange kDisplayRange_Hz{0.0, 1e4, true};
 
 // The order of the conditions in a block.
 enum class ConditionOrder : std::uint8_t {

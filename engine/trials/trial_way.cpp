@@ -146,6 +146,59 @@ const Outline& chosen_outline(const std::vector<Outline>& found,
   });
 }
 
+// The contour that the scene states; null if it states none.
+Result<const ContourDescription*> stated_contour(const Scene& scene) {
+  const std::vector<ContourDescription>& stated = scene.contours();
+  if (stated.empty()) return static_cast<const ContourDescription*>(nullptr);
+  if (stated.size() > 1) {
+    return no_way(stated[1].element, "is the second contour of the scene; expected one",
+                  "load one node, or delete the others");
+  }
+  const ContourDescription& contour = stated.front();
+  if (!contour.problem.empty()) return no_way(contour.element, contour.problem, contour.hint);
+  return &contour;
+}
+
+// The contour on which the spheres lie, in the plane of the device, without small detail.
+Result<ClosedCurve> find_curve(const Scene& scene, const RunSetup& setup,
+                               const ContourDescription* stated, const Vec3& plane_normal,
+                               double radius_m) {
+  const auto found =
+      reachable_outlines(scene, setup.haptics.initial_pose, setup.haptics.plane_height_m,
+                         kGap * radius_m, setup.haptics.god_object.radius_m);
+  if (!found) return found.error();
+  std::optional<Vec3> start_m;
+  if (stated) start_m = stated->start_scene_m;
+  const Outline& outline = chosen_outline(*found, start_m);
+  if (!outline.curve.closed) {
+    return no_way("scene", "has an open contour in the plane of the device; expected a closed one",
+                  "close the mesh, or choose another plane height");
+  }
+  std::vector<Vec3> points =
+      without_collinear_points(outline.curve.points_m, true, plane_normal, kDetail * radius_m);
+  if (points.size() < 2) {
+    return no_way("scene", "has a contour that is smaller than the spheres", "enlarge the scene");
+  }
+  return ClosedCurve(std::move(points));
+}
+
+// Refuses a way from the green to the red sphere that is too short.
+std::optional<Error> check_way(double way_m, const ClosedCurve& curve,
+                               const ContourDescription* stated) {
+  std::ostringstream problem;
+  if (way_m < 0.5 * curve.length_m()) {
+    problem << "states a way of " << way_m << " m from start_m to end_m with material on the left; "
+            << "expected the long way round the contour of " << curve.length_m() << " m";
+    return no_way(stated->element, problem.str(), "swap start_m and end_m");
+  }
+  if (way_m < kShortestWay_m) {
+    problem << "has a way of " << way_m << " m from the green to the red sphere; expected at least "
+            << kShortestWay_m << " m";
+    return no_way("scene", problem.str(), "enlarge the scene");
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<TrialWay> find_trial_way(const Scene& scene, const RunSetup& setup,
@@ -153,61 +206,30 @@ Result<TrialWay> find_trial_way(const Scene& scene, const RunSetup& setup,
   if (!setup.actuation.is_planar()) {
     return no_way("device.sensors", "is 3; expected 2", "a trial follows a contour in a plane");
   }
-  const std::vector<ContourDescription>& stated = scene.contours();
-  if (stated.size() > 1) {
-    return no_way(stated[1].element, "is the second contour of the scene; expected one",
-                  "load one node, or delete the others");
-  }
-  if (!stated.empty() && !stated.front().problem.empty()) {
-    return no_way(stated.front().element, stated.front().problem, stated.front().hint);
-  }
+  const auto stated = stated_contour(scene);
+  if (!stated) return stated.error();
   const ScenePose& pose = setup.haptics.initial_pose;
   const Vec3 normal = pose.inverse_direction(Vec3::UnitZ());
   const double offset_m = setup.haptics.plane_height_m - pose.translation_m.z();
-  const auto found =
-      reachable_outlines(scene, pose, setup.haptics.plane_height_m, kGap * settings.sphere_radius_m,
-                         setup.haptics.god_object.radius_m);
-  if (!found) return found.error();
-  std::optional<Vec3> start_m;
-  if (!stated.empty()) start_m = stated.front().start_scene_m;
-  const Outline& outline = chosen_outline(*found, start_m);
-  if (!outline.curve.closed) {
-    return no_way("scene", "has an open contour in the plane of the device; expected a closed one",
-                  "close the mesh, or choose another plane height");
-  }
-  const std::vector<Vec3> points = without_collinear_points(outline.curve.points_m, true, normal,
-                                                            kDetail * settings.sphere_radius_m);
-  if (points.size() < 2) {
-    return no_way("scene", "has a contour that is smaller than the spheres", "enlarge the scene");
-  }
-  const ClosedCurve curve(points);
-  Spheres spheres = on_longest_wall(curve);
-  if (!stated.empty()) {
-    const auto read = as_stated(curve, stated.front(), normal, offset_m, settings.sphere_radius_m);
+  const double radius_m = settings.sphere_radius_m;
+  const auto curve = find_curve(scene, setup, *stated, normal, radius_m);
+  if (!curve) return curve.error();
+  Spheres spheres = on_longest_wall(*curve);
+  if (*stated) {
+    const auto read = as_stated(*curve, **stated, normal, offset_m, radius_m);
     if (!read) return read.error();
     spheres = *read;
   }
-  const double way_m = curve.wrapped(spheres.red_m - spheres.green_m);
-  if (way_m < 0.5 * curve.length_m()) {
-    std::ostringstream problem;
-    problem << "states a way of " << way_m << " m from start_m to end_m with material on the left; "
-            << "expected the long way round the contour of " << curve.length_m() << " m";
-    return no_way(stated.front().element, problem.str(), "swap start_m and end_m");
-  }
-  if (way_m < kShortestWay_m) {
-    std::ostringstream problem;
-    problem << "has a way of " << way_m << " m from the green to the red sphere; expected at least "
-            << kShortestWay_m << " m";
-    return no_way("scene", problem.str(), "enlarge the scene");
-  }
+  const double way_m = curve->wrapped(spheres.red_m - spheres.green_m);
+  if (auto error = check_way(way_m, *curve, *stated)) return *error;
   TrialWay way;
-  const double lead_in_m = std::min(kLeadIn_m, kMostLeadIn * curve.length_m());
-  way.path = contour_path(curve.opened_at(spheres.green_m - lead_in_m, lead_in_m), normal,
-                          kDetail * settings.sphere_radius_m);
+  const double lead_in_m = std::min(kLeadIn_m, kMostLeadIn * curve->length_m());
+  way.path = contour_path(curve->opened_at(spheres.green_m - lead_in_m, lead_in_m), normal,
+                          kDetail * radius_m);
   way.green_along_m = lead_in_m;
   way.red_along_m = lead_in_m + way_m;
-  way.green_m = curve.at(spheres.green_m);
-  way.red_m = curve.at(spheres.red_m);
+  way.green_m = curve->at(spheres.green_m);
+  way.red_m = curve->at(spheres.red_m);
   return way;
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 using Row = TrialRow;
 using Columns = std::vector<Column<Row>>;
-using Field = Cells<Row>;
+using Field = CsvCells<Row>;
 using enum Presence;
 
 // The order of reading. What distinguishes trials is read first, the strategy before what it stands

@@ -15,7 +15,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 3> kForces = {"none", "actuated", "full"};
+Json json_of(const LiveSetting& setting, double value) {
+  switch (setting.kind) {
+    case LiveSetting::Kind::kFlag:
+      return value != 0.0;
+    case LiveSetting::Kind::kChoice:
+      return setting.choices[static_cast<std::size_t>(value)];
+    case LiveSetting::Kind::kNumber:
+      return value;
+  }
+  return {};
+}
 
 Error wrong_kind(const std::string& name, const std::string& expected) {
   return invalid_argument(name, "has another kind of value; expected " + expected);
@@ -59,7 +69,10 @@ std::size_t index_of(const List& words, const std::string& word) {
 PageSettings::PageSettings(const Scene& scene, LiveSettings& live, MaterialTuner& tuner,
                            bool has_axes, bool has_full_force)
     : live_(live), tuner_(tuner) {
-  add_loop_settings(has_axes, has_full_force);
+  for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
+    add_loop_setting(i, has_full_force);
+    if (i == 0 && has_axes) add_axes();
+  }
   for (const MaterialCalls& material : scene.material_calls()) {
     for (const std::uint32_t call : material.calls) add_material(scene, material.material, call);
   }
@@ -69,27 +82,34 @@ PageSettings::PageSettings(const Scene& scene, LiveSettings& live, MaterialTuner
   }
 }
 
-void PageSettings::add_loop_settings(bool has_axes, bool has_full_force) {
-  add_a4();
-  if (has_axes) add_axes();
-  add_force(has_full_force);
-  add_number(
-      {"stiffness", "stiffness", "number", "N/m", 0.0, live_.most_stiffness_N_per_m(), {}, "k"},
-      [this](double value) { return live_.set_stiffness(value); },
-      [this] { return Json(live_.stiffness_N_per_m()); });
-  add_number(
-      {"damping", "damping", "number", "N s/m", 0.0, live_.most_damping_Ns_per_m(), {}, "b"},
-      [this](double value) { return live_.set_damping(value); },
-      [this] { return Json(live_.damping_Ns_per_m()); });
-}
-
-void PageSettings::add_a4() {
-  Setting setting{"a4", "A4", "flag", "", 0.0, 0.0, {}, "a"};
-  setting.change = [this](const SettingValue& value) {
-    return with<bool>("a4", "true or false", value, [this](bool on) { return live_.set_a4(on); });
-  };
-  setting.value = [this] { return Json(live_.a4()); };
-  settings_.push_back(std::move(setting));
+void PageSettings::add_loop_setting(std::size_t place, bool has_full_force) {
+  const LiveSetting& row = kLiveSettings[place];
+  Setting setting{std::string(row.name), std::string(row.label)};
+  setting.key = row.key;
+  const auto set = [this, place](double value) { return live_.set(place, value); };
+  switch (row.kind) {
+    case LiveSetting::Kind::kFlag:
+      setting.kind = "flag";
+      setting.change = [name = setting.name, set](const SettingValue& value) {
+        return with<bool>(name, "true or false", value,
+                          [&](bool on) { return set(on ? 1.0 : 0.0); });
+      };
+      setting.value = [this, place] { return Json(live_.value(place) != 0.0); };
+      settings_.push_back(std::move(setting));
+      break;
+    case LiveSetting::Kind::kChoice:
+      setting.kind = "choice";
+      setting.choices.assign(row.choices.begin(), row.choices.end());
+      if (place == live_setting("force") && !has_full_force) setting.choices.pop_back();
+      add_choice(std::move(setting), set, [this, place] { return live_.value(place); });
+      break;
+    case LiveSetting::Kind::kNumber:
+      setting.kind = "number";
+      setting.unit = row.unit;
+      setting.high = live_.most(place);
+      add_number(std::move(setting), set, [this, place] { return Json(live_.value(place)); });
+      break;
+  }
 }
 
 void PageSettings::add_axes() {
@@ -104,15 +124,6 @@ void PageSettings::add_axes() {
   };
   setting.value = [this] { return axes_json(live_.axes()); };
   settings_.push_back(std::move(setting));
-}
-
-void PageSettings::add_force(bool has_full_force) {
-  Setting setting{"force", "force", "choice", "", 0.0, 0.0, {}, "f"};
-  setting.choices.assign(kForces.begin(), kForces.end() - (has_full_force ? 0 : 1));
-  const auto set = [this](double index) {
-    return live_.set_force(static_cast<ForceMode>(static_cast<int>(index)));
-  };
-  add_choice(std::move(setting), set, [this] { return static_cast<double>(live_.force()); });
 }
 
 void PageSettings::add_number(Setting setting, std::function<std::optional<Error>(double)> set,
@@ -208,10 +219,9 @@ Json PageSettings::values(const std::optional<LoopValues>& loop) const {
   Json values = Json::object();
   for (const Setting& s : settings_) values[s.name] = s.value();
   if (!loop) return values;
-  values["a4"] = loop->a4 != 0;
-  values["force"] = kForces[loop->force];
-  values["stiffness"] = loop->stiffness_N_per_m;
-  values["damping"] = loop->damping_Ns_per_m;
+  for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
+    values[std::string(kLiveSettings[i].name)] = json_of(kLiveSettings[i], loop->settings[i]);
+  }
   return values;
 }
 

@@ -19,9 +19,10 @@ namespace palpate {
 // One thread owns this object.
 class PageSettings {
  public:
-  // Lists A4, the actuated axes (only with has_axes), the force, stiffness and damping, and every
-  // number that the scene's materials declare. All references must outlive this object; the session
-  // must not have started, because the tuner gets its handles here.
+  // Lists kLiveSettings, behind the first of them the actuated axes (only with has_axes), and every
+  // number that the scene's materials declare. Without has_full_force, the force has no `full`. All
+  // references must outlive this object; the session must not have started, because the tuner gets
+  // its handles here.
   PageSettings(const Scene& scene, LiveSettings& live, MaterialTuner& tuner, bool has_axes,
                bool has_full_force);
 
@@ -31,8 +32,8 @@ class PageSettings {
 
   // A list of objects with name, label, kind, value, low, high, unit, choices and key.
   nlohmann::ordered_json list() const;
-  // An object of names and values: those that were set, or for A4, force, stiffness and damping
-  // those of `loop`, if there are any.
+  // An object of names and values: those that were set, or for kLiveSettings those of `loop`, if
+  // there are any.
   nlohmann::ordered_json values(const std::optional<LoopValues>& loop = {}) const;
 
  private:
@@ -47,10 +48,8 @@ class PageSettings {
     std::function<nlohmann::ordered_json()> value = {};
   };
 
-  void add_loop_settings(bool has_axes, bool has_full_force);
-  void add_a4();
+  void add_loop_setting(std::size_t place, bool has_full_force);
   void add_axes();
-  void add_force(bool has_full_force);
   void add_number(Setting setting, std::function<std::optional<Error>(double)> set,
                   std::function<nlohmann::ordered_json()> value);
   // value: the index of the present choice.

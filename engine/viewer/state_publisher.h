@@ -9,6 +9,7 @@
 
 #include "engine/devices/snapshot_ring.h"
 #include "engine/session/haptic_session.h"
+#include "engine/session/live_setting.h"
 #include "engine/viewer/body_pose_ring.h"
 #include "engine/viewer/messages.h"
 #include "engine/viewer/pointer_plan.h"
@@ -19,22 +20,17 @@ namespace palpate {
 
 // What a page shows of the loop's settings. Plain numbers, so that they can be copied bytewise.
 struct LoopValues {
-  double stiffness_N_per_m = 0.0;
-  double damping_Ns_per_m = 0.0;
-  std::uint32_t a4 = 0;
-  std::uint32_t force = 0;                         // ForceMode
+  std::array<double, kLiveSettings.size()> settings = {};
   std::uint32_t axis_count = 0;                    // actuators
   std::uint32_t sensors = 0;                       // 0: no tick has run
   std::array<std::array<double, 3>, 3> axes = {};  // a basis of the actuated span, device frame
 
   static LoopValues of(const HapticLoop& loop) noexcept {
-    const HapticSettings& settings = loop.settings();
     const ActuationModel& actuation = loop.actuation();
     LoopValues values;
-    values.stiffness_N_per_m = settings.coupling.stiffness_N_per_m;
-    values.damping_Ns_per_m = settings.coupling.damping_Ns_per_m;
-    values.a4 = settings.a4.enabled ? 1 : 0;
-    values.force = static_cast<std::uint32_t>(settings.force);
+    for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
+      values.settings[i] = kLiveSettings[i].value(loop.settings());
+    }
     values.axis_count = static_cast<std::uint32_t>(actuation.actuators());
     values.sensors = static_cast<std::uint32_t>(actuation.sensors());
     for (std::size_t i = 0; i < 3; ++i) {

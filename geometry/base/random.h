@@ -1,8 +1,8 @@
 #pragma once
 
-// Seeded random numbers: one seed gives the same numbers on every platform. The distributions of
-// the standard library differ between platforms, so the functions here use the bits of a standard
-// engine directly.
+// Seeded random numbers. Uniform numbers are equal on every platform, because they use the bits of
+// a standard engine and not the distributions of the standard library. Normal numbers, and what is
+// made of them, also use log and cos of the C library, which may differ in the last bit.
 
 #include <cmath>
 #include <cstdint>

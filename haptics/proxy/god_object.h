@@ -343,7 +343,7 @@ class GodObject {
   struct ProxyPlace;
   ProxyPlace place_now() const;
   void return_to(const ProxyPlace& place);
-  // Attempts to improve the position of a proxy at rest. Defined in god_object_escapes.h.
+  // Attempts to improve the position of a proxy at rest (god_object_escapes.h, god_object_lines.h).
   struct Faces;
   struct Surroundings;
   template <typename Friction>

@@ -74,8 +74,8 @@ constexpr WorkUnits price_of(Work kind) {
 // A step that was cut short is repeated in the next tick: its searches are remembered, the work of
 // the solver between them is not. A tick therefore ends only when its searches have used half of
 // the budget, so that they proceed in every tick. The solver's work without its searches has a
-// bound of its own: the numbers of steps and attempts are constants (god_object_steps.h,
-// _escapes.h).
+// bound of its own: the numbers of steps and attempts are constants (god_object_steps.h and
+// god_object_escapes.h).
 class WorkMeter {
  public:
   explicit WorkMeter(WorkUnits budget, CountingRule rule = CountingRule::kSecond)

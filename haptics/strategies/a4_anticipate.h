@@ -10,8 +10,8 @@
 
 #include "haptics/a4/actuation.h"
 #include "haptics/a4/theoretical_rotation.h"
-#include "haptics/proxy/nearest_place.h"
 #include "haptics/strategies/haptic_settings.h"
+#include "haptics/strategies/nearest_place.h"
 
 namespace palpate {
 

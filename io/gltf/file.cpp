@@ -15,6 +15,7 @@
 
 #include "geometry/base/file_roles.h"
 #include "geometry/base/parallel.h"
+#include "io/ascii.h"
 #include "io/gltf/error.h"
 #include "io/open_error.h"
 
@@ -72,17 +73,10 @@ bool has_scheme(const std::string& uri) {
   return uri.find_first_not_of(allowed) == colon;
 }
 
-bool begins_with(const std::string& uri, const std::string& lower_case) {
-  return uri.size() >= lower_case.size() &&
-         std::equal(lower_case.begin(), lower_case.end(), uri.begin(), [](char expected, char c) {
-           return c == expected || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == expected);
-         });
-}
-
 // The path of file:///path, file://host/path and file:path; any other URI as it is.
 std::string without_file_scheme(const std::string& uri) {
   const std::string scheme = "file:";
-  if (!begins_with(uri, scheme)) return uri;
+  if (!starts_with_ignoring_case(uri, scheme)) return uri;
   std::string path = uri.substr(scheme.size());
   if (!path.starts_with("//")) return path;
   const std::size_t begin = path.find('/', 2);
@@ -92,7 +86,7 @@ std::string without_file_scheme(const std::string& uri) {
 // Every name that some reader may take the URI for: with and without its query and fragment, with
 // "\\" as a separator, percent-decoded and as it is. None for a data URI.
 std::vector<std::string> possible_names(const std::string& uri) {
-  if (uri.empty() || begins_with(uri, "data:")) return {};
+  if (uri.empty() || starts_with_ignoring_case(uri, "data:")) return {};
   std::vector<std::string> names = {without_file_scheme(uri)};
   // Adds the changed form of each name found so far.
   const auto vary = [&](const auto& changed) {

@@ -1,8 +1,9 @@
 #include "io/gltf/known_formats.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstddef>
+
+#include "io/ascii.h"
 
 namespace palpate {
 namespace {
@@ -67,13 +68,6 @@ constexpr std::string_view kObjWords[] = {"v", "vn", "vt",     "f",      "o",
 std::string_view from_first_word(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   return first == text.npos ? std::string_view() : text.substr(first);
-}
-
-bool starts_with_ignoring_case(std::string_view text, std::string_view lower) {
-  return text.size() >= lower.size() &&
-         std::equal(lower.begin(), lower.end(), text.begin(), [](char a, char b) {
-           return a == std::tolower(static_cast<unsigned char>(b));
-         });
 }
 
 // Whether all lines but the last, which may be cut, begin with a word of OBJ, and one is a vertex.

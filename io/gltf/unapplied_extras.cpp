@@ -1,14 +1,14 @@
 #include "io/gltf/unapplied_extras.h"
 
 #include <algorithm>
-#include <map>
 #include <string_view>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "io/ascii.h"
 #include "io/gltf/error.h"
-#include "io/gltf/tinygltf.h"
+#include "io/gltf/extras_places.h"
 
 namespace palpate {
 namespace {
@@ -17,7 +17,6 @@ using Json = nlohmann::json;
 
 constexpr std::string_view kGroup = "palpate";
 constexpr std::string_view kContour = "palpate_contour";
-constexpr std::string_view kMedium = "medium";
 
 // The path of a value; it becomes text only in a line.
 struct Path {
@@ -34,37 +33,14 @@ struct Path {
   }
 };
 
-enum class ElementKind { kMaterial, kScene, kNode, kMesh, kOther };
-
-// The element of the file that extras belong to. A primitive is a kMesh with a number.
-struct Element {
-  ElementKind kind = ElementKind::kOther;
-  std::size_t index = 0;
-  std::optional<std::size_t> primitive = {};
-};
-
-constexpr std::pair<std::string_view, ElementKind> kElementSections[] = {
-    {"materials", ElementKind::kMaterial},
-    {"scenes", ElementKind::kScene},
-    {"nodes", ElementKind::kNode},
-    {"meshes", ElementKind::kMesh}};
-
-unsigned owner_of(ElementKind kind) {
-  switch (kind) {
-    case ElementKind::kMaterial:
-      return kOfMaterial;
-    case ElementKind::kScene:
-      return kOfScene;
-    case ElementKind::kNode:
-      return kOfNode;
-    default:
-      return 0;
-  }
-}
+constexpr std::pair<std::string_view, ExtrasElementKind> kElementSections[] = {
+    {"materials", ExtrasElementKind::kMaterial},
+    {"scenes", ExtrasElementKind::kScene},
+    {"nodes", ExtrasElementKind::kNode},
+    {"meshes", ExtrasElementKind::kMesh}};
 
 bool is_letter_or_digit(char c) {
-  const char l = static_cast<char>(c | 0x20);
-  return (l >= 'a' && l <= 'z') || (c >= '0' && c <= '9');
+  return is_lower(lower(c)) || is_digit(c);
 }
 
 // What follows a word in lower case at the beginning of a name: "Palpate_stiffness" gives
@@ -102,7 +78,8 @@ bool is_contour_name(std::string_view rest, const Json& value) {
 
 // Words that other programs use, too, for what Palpate does not mean.
 bool is_ordinary(std::string_view key) {
-  return key == "solid" || key == "size" || key == "radius" || key == kMedium || key == "gravity";
+  return key == "solid" || key == "size" || key == "radius" || key == kMediumKey ||
+         key == "gravity";
 }
 
 // Whether a name says that its values are felt, or that an author invented them.
@@ -128,17 +105,13 @@ std::string middle_cut(const std::string& path) {
   return path.substr(0, kMostBytes / 2) + "..." + path.substr(path.size() - kMostBytes / 2);
 }
 
-const char* type_of(const Json& value) {
-  if (value.is_string()) return "a text";
-  if (value.is_array()) return "a list";
-  if (value.is_boolean()) return "true or false";
-  return value.is_null() ? "null" : "a number";
-}
-
 class Search {
  public:
   Search(const GltfAsset& asset, const AppliedElements& applied, const KeyNames& names)
-      : asset_(asset), applied_(applied), names_(names) {}
+      : asset_(asset),
+        applied_(applied),
+        names_(names),
+        places_(asset, applied.scene, names, allowance_) {}
 
   std::vector<std::string> run() {
     const Path root;
@@ -168,7 +141,7 @@ class Search {
 
  private:
   // is_element: the value is the element itself and not a part of it.
-  void walk(const Json& value, const Path& path, const Element& element, bool is_element) {
+  void walk(const Json& value, const Path& path, const ExtrasElement& element, bool is_element) {
     if (value.is_array()) {
       for (std::size_t i = 0; i < value.size(); ++i) {
         if (value[i].is_structured()) walk(value[i], path / i, element, false);
@@ -178,11 +151,11 @@ class Search {
     if (!value.is_object()) return;
     for (const auto& [name, member] : value.items()) {
       const Path at = path / name;
-      if (is_element && element.kind == ElementKind::kMesh && name == "primitives" &&
+      if (is_element && element.kind == ExtrasElementKind::kMesh && name == "primitives" &&
           member.is_array()) {
         for (std::size_t i = 0; i < member.size(); ++i) {
           const Path primitive = at / i;
-          walk(member[i], primitive, {ElementKind::kMesh, element.index, i}, false);
+          walk(member[i], primitive, {ExtrasElementKind::kMesh, element.index, i}, false);
         }
         continue;
       }
@@ -194,31 +167,33 @@ class Search {
 
   // A key of Palpate directly in an element of the file. Misspelt ones are not searched.
   bool read_beside_extras(const std::string& name, const Json& value, const Json& object,
-                          const Path& path, const Element& element) {
+                          const Path& path, const ExtrasElement& element) {
     KeyNames::Allowance none = 0;
     const auto match = names_.find(name, owner_of(element.kind), none);
     if (!match || match->likeness == KeyLikeness::kNear || !is_meant(*match, value, object)) {
       return false;
     }
     add(path, [&] {
-      return "it lies outside extras; " + belongs(*match, element, object.contains(kMedium));
+      return "it lies outside extras; " +
+             places_.belongs(*match, element, object.contains(kMediumKey));
     });
     return true;
   }
 
   void read_member(const std::string& name, const Json& value, const Path& path,
-                   const Element& element, bool is_element) {
+                   const ExtrasElement& element, bool is_element) {
     if (name == "extras") return read_extras(value, path, element, is_element);
     const auto rest = after_group_name(name);
     if (rest && (rest->empty() || is_contour_name(*rest, value))) {
       return add(path, [&] {
-        return "it lies outside extras; " + belongs(value, element, rest->empty());
+        return "it lies outside extras; " + places_.belongs(value, element, rest->empty());
       });
     }
     if (value.is_structured()) walk(value, path, element, false);
   }
 
-  void read_extras(const Json& extras, const Path& path, const Element& element, bool is_own) {
+  void read_extras(const Json& extras, const Path& path, const ExtrasElement& element,
+                   bool is_own) {
     if (extras.is_string()) return read_text(extras, path, element);
     if (extras.is_array()) return search_nested(extras, path, element);
     if (!extras.is_object()) return;
@@ -240,7 +215,7 @@ class Search {
   }
 
   // Extras that are a text, which names the group or is an object with a key of Palpate.
-  void read_text(const Json& extras, const Path& path, const Element& element) {
+  void read_text(const Json& extras, const Path& path, const ExtrasElement& element) {
     const std::string& text = extras.get_ref<const std::string&>();
     const std::string start = plain_name(std::string_view(text).substr(0, 256));
     if (start.find(kGroup) == std::string::npos && !has_keys(object_in(text), element)) return;
@@ -252,10 +227,10 @@ class Search {
   }
 
   // The group palpate of an element.
-  void read_group(const Json& group, const Path& path, const Element& element, bool is_own) {
+  void read_group(const Json& group, const Path& path, const ExtrasElement& element, bool is_own) {
     const bool has_values = is_own && owner_of(element.kind) != 0;
-    if (!has_values || (element.kind == ElementKind::kNode && !group.contains(kMedium))) {
-      return add(path, [&] { return belongs(group, element, true); });
+    if (!has_values || (element.kind == ExtrasElementKind::kNode && !group.contains(kMediumKey))) {
+      return add(path, [&] { return places_.belongs(group, element, true); });
     }
     if (is_applied(element)) return;
     add(path, [&] { return why_not_applied(element); });
@@ -277,7 +252,7 @@ class Search {
   }
 
   // Whether an object has a key of Palpate, spelled right, that is no ordinary word.
-  bool has_keys(const Json& object, const Element& element) const {
+  bool has_keys(const Json& object, const ExtrasElement& element) const {
     if (!object.is_object()) return false;
     std::size_t looked_at = 0;
     for (const auto& [key, value] : object.items()) {
@@ -287,39 +262,39 @@ class Search {
     return false;
   }
 
-  bool is_key(const std::string& name, const Json& value, const Element& element) const {
+  bool is_key(const std::string& name, const Json& value, const ExtrasElement& element) const {
     KeyNames::Allowance none = 0;
     const auto match = names_.find(name, owner_of(element.kind), none);
     return match && match->likeness != KeyLikeness::kNear && !is_ordinary(match->key->name) &&
            !value.is_object();
   }
 
-  void read_contour(const Path& path, const Element& element, bool is_own) {
-    if (is_own && element.kind == ElementKind::kNode) {
+  void read_contour(const Path& path, const ExtrasElement& element, bool is_own) {
+    if (is_own && element.kind == ExtrasElementKind::kNode) {
       if (!is_applied(element)) add(path, [&] { return why_not_applied(element); });
       return;
     }
     add(path, [&] { return std::string("it belongs in the extras of a node"); });
   }
 
-  bool is_applied(const Element& element) const {
+  bool is_applied(const ExtrasElement& element) const {
     switch (element.kind) {
-      case ElementKind::kMaterial:
+      case ExtrasElementKind::kMaterial:
         return element.index < applied_.materials.size() && applied_.materials[element.index];
-      case ElementKind::kNode:
+      case ExtrasElementKind::kNode:
         return element.index < applied_.nodes.size() && applied_.nodes[element.index];
-      case ElementKind::kScene:
+      case ExtrasElementKind::kScene:
         return applied_.scene == element.index;
       default:
         return false;
     }
   }
 
-  std::string why_not_applied(const Element& element) const {
+  std::string why_not_applied(const ExtrasElement& element) const {
     switch (element.kind) {
-      case ElementKind::kMaterial:
+      case ExtrasElementKind::kMaterial:
         return "no triangle that is loaded has this material";
-      case ElementKind::kNode:
+      case ExtrasElementKind::kNode:
         if (element.index < applied_.hidden_nodes.size() && applied_.hidden_nodes[element.index]) {
           return "the node, or an ancestor, is hidden (KHR_node_visibility); "
                  "`SceneSettings::feels_hidden` loads hidden nodes, too";
@@ -334,11 +309,11 @@ class Search {
 
   // A name that begins with the word palpate and is not the group's name.
   void read_joined(const std::string& name, std::string_view rest, const Json& value,
-                   const Path& path, const Element& element) {
+                   const Path& path, const ExtrasElement& element) {
     if (rest.empty()) {
       return add(path, [&] {
         return "the name of the group is palpate, not " + in_quotes(name) + "; " +
-               belongs(value, element, true);
+               places_.belongs(value, element, true);
       });
     }
     if (is_contour_name(rest, value)) {
@@ -350,11 +325,11 @@ class Search {
     if (!match && has_keys(value, element)) {
       return add(path, [&] {
         return "the name of the group is palpate, not " + in_quotes(name) + "; " +
-               belongs(value, element, true);
+               places_.belongs(value, element, true);
       });
     }
     add(path, [&] {
-      if (match) return belongs(*match, element, false);
+      if (match) return places_.belongs(*match, element, false);
       return "no key is named " + in_quotes(std::string(rest)) +
              "; keys belong in a group palpate of " + owners_text(kOfMaterial | kOfScene);
     });
@@ -362,15 +337,15 @@ class Search {
 
   // A key of Palpate beside the group.
   bool read_flat(const std::string& name, const Json& value, const Json& extras, const Path& path,
-                 const Element& element) {
+                 const ExtrasElement& element) {
     const auto match = flat_match(name, element);
     if (!match || !is_meant(*match, value, extras)) return false;
-    add(path, [&] { return belongs(*match, element, extras.contains(kMedium)); });
+    add(path, [&] { return places_.belongs(*match, element, extras.contains(kMediumKey)); });
     return true;
   }
 
   // The key that a name means, or the rest of a name that begins with the word haptic.
-  std::optional<KeyMatch> flat_match(const std::string& name, const Element& element) {
+  std::optional<KeyMatch> flat_match(const std::string& name, const ExtrasElement& element) {
     const unsigned owners = owner_of(element.kind);
     for (const std::string_view word : {"haptic", "haptics"}) {
       const auto rest = after_word(name, word);
@@ -394,10 +369,10 @@ class Search {
     const std::string text =
         value.is_string() ? plain_name(value.get_ref<const std::string&>()) : "";
     if (key == "size" || key == "radius") {
-      const auto medium = extras.find(kMedium);
+      const auto medium = extras.find(kMediumKey);
       return medium != extras.end() && is_medium(*medium);
     }
-    if (key == kMedium) return is_medium(value);
+    if (key == kMediumKey) return is_medium(value);
     if (key == "solid") {
       const bool is_bit = value.is_number() && (value == 0 || value == 1);
       return value.is_boolean() || is_bit || text == "true" || text == "false";
@@ -407,7 +382,7 @@ class Search {
 
   // A group that holds keys of Palpate and has nearly its name.
   bool read_misspelt_group(const std::string& name, const Json& value, const Path& path,
-                           const Element& element) {
+                           const ExtrasElement& element) {
     constexpr std::size_t kMostWrongLetters = 2;
     constexpr std::size_t kMostKeys = 16;
     const std::size_t length = name.size();
@@ -425,7 +400,7 @@ class Search {
       if (!match || match->likeness == KeyLikeness::kNear) continue;
       add(path, [&] {
         return "the name of the group is palpate, not " + in_quotes(name) + "; " +
-               belongs(value, element, true);
+               places_.belongs(value, element, true);
       });
       return true;
     }
@@ -435,7 +410,7 @@ class Search {
   // A group of another name with nothing but keys of Palpate: two or more, or one if the group's
   // name says that an author made it. A group named haptic may have other keys, too.
   bool read_group_of_keys(const std::string& name, const Json& value, const Path& path,
-                          const Element& element) {
+                          const ExtrasElement& element) {
     if (!value.is_object() || value.empty() || value.size() > kMostKeysOfGroup) return false;
     constexpr std::size_t kLongestName = 64;
     const std::string plain = plain_name(std::string_view(name).substr(0, kLongestName));
@@ -452,13 +427,13 @@ class Search {
     if (keys < (names_haptic_group(plain) ? 1u : 2u)) return false;
     add(path, [&] {
       return "the name of the group is palpate, not " + in_quotes(name) + "; " +
-             belongs(value, element, true);
+             places_.belongs(value, element, true);
     });
     return true;
   }
 
   // Groups of other programs may hold anything but the name palpate.
-  void search_nested(const Json& value, const Path& path, const Element& element) {
+  void search_nested(const Json& value, const Path& path, const ExtrasElement& element) {
     if (value.is_array()) {
       for (std::size_t i = 0; i < value.size(); ++i) {
         if (value[i].is_structured()) search_nested(value[i], path / i, element);
@@ -470,102 +445,12 @@ class Search {
       if (const auto rest = after_group_name(name)) {
         add(at, [&, &inner = member] {
           return "it lies inside " + in_quotes(path.text()) + "; " +
-                 belongs(inner, element, rest->empty());
+                 places_.belongs(inner, element, rest->empty());
         });
       } else if (member.is_structured()) {
         search_nested(member, at, element);
       }
     }
-  }
-
-  // --- Where keys belong -------------------------------------------------------------------------
-
-  std::vector<std::size_t> materials_of(const Element& element) const {
-    constexpr std::size_t kEnough = 2;
-    std::vector<std::size_t> found;
-    const tinygltf::Model& model = asset_.model;
-    std::size_t mesh = element.index;
-    if (element.kind == ElementKind::kNode) {
-      if (mesh >= model.nodes.size() || model.nodes[mesh].mesh < 0) return found;
-      mesh = static_cast<std::size_t>(model.nodes[mesh].mesh);
-    } else if (element.kind != ElementKind::kMesh) {
-      return found;
-    }
-    if (mesh >= model.meshes.size()) return found;
-    const auto& primitives = model.meshes[mesh].primitives;
-    for (std::size_t i = 0; i < primitives.size() && found.size() < kEnough; ++i) {
-      if (primitives[i].material < 0 || (element.primitive && *element.primitive != i)) continue;
-      const auto id = static_cast<std::size_t>(primitives[i].material);
-      if (std::find(found.begin(), found.end(), id) == found.end()) found.push_back(id);
-    }
-    return found;
-  }
-
-  // "/materials/3/extras/palpate (material "wood")"
-  std::string material_place(std::size_t id) const {
-    std::string text = gltf_element("materials", id, "extras/palpate");
-    const Json& material = asset_.json["materials"][id];
-    const auto name = material.is_object() ? material.find("name") : material.end();
-    if (name == material.end() || !name->is_string()) return text;
-    return text + " (material " + in_quotes(name->get<std::string>()) + ")";
-  }
-
-  // Where keys with these owners belong that were written at the element.
-  std::string place_of(unsigned owners, const Element& element, bool has_medium) const {
-    const bool is_node = element.kind == ElementKind::kNode;
-    if ((owners & owner_of(element.kind)) && !(is_node && !has_medium && (owners & kOfMaterial))) {
-      if (element.kind == ElementKind::kMaterial) return material_place(element.index);
-      const std::string own =
-          gltf_element(is_node ? "nodes" : "scenes", element.index, "extras/palpate");
-      return is_node && !has_medium ? own + ", together with the key medium" : own;
-    }
-    if (owners & kOfMaterial) {
-      const auto materials = materials_of(element);
-      if (materials.empty()) return "extras.palpate of a material";
-      if (materials.size() == 1) return material_place(materials.front());
-      return "extras.palpate of the materials, such as " + material_place(materials.front());
-    }
-    if ((owners & kOfScene) && applied_.scene) {
-      return gltf_element("scenes", *applied_.scene, "extras/palpate");
-    }
-    return "extras.palpate of " + owners_text(owners);
-  }
-
-  std::string belongs(const KeyMatch& match, const Element& element, bool has_medium) const {
-    const std::string name = match.likeness == KeyLikeness::kSame
-                                 ? match.key->name
-                                 : "the nearest key, " + match.key->name + ",";
-    return name + " belongs in " + place_of(match.key->owners, element, has_medium);
-  }
-
-  // Where the keys of a group belong. is_group: false for a value that is no group.
-  std::string belongs(const Json& group, const Element& element, bool is_group) {
-    if (is_group && !group.is_object()) {
-      return std::string("it is ") + type_of(group) +
-             "; expected an object such as {\"stiffness\": 400} in " +
-             place_of(kOfMaterial, element, false);
-    }
-    constexpr std::size_t kMostKeys = 64;
-    constexpr std::size_t kMostNames = 3;
-    const bool has_medium = group.contains(kMedium);
-    std::map<std::string, std::pair<std::size_t, std::string>> of_place;  // count and names
-    std::size_t looked_at = 0;
-    for (const auto& [key, value] : group.items()) {
-      if (!is_group || ++looked_at > kMostKeys) break;
-      const auto match = names_.find(key, owner_of(element.kind), allowance_);
-      if (!match) continue;
-      auto& [count, names] = of_place[place_of(match->key->owners, element, has_medium)];
-      if (++count <= kMostNames) names += (count == 1 ? "" : ", ") + match->key->name;
-    }
-    std::string text;
-    for (const auto& [place, keys] : of_place) {
-      const auto& [count, names] = keys;
-      text += (text.empty() ? "" : "; ") + names;
-      if (count > kMostNames) text += " and " + std::to_string(count - kMostNames) + " more";
-      text += (count == 1 ? " belongs in " : " belong in ") + place;
-    }
-    if (!text.empty()) return text;
-    return "haptic values belong in " + place_of(kOfMaterial, element, false);
   }
 
   static constexpr std::size_t kMostKeysOfGroup = 16;
@@ -580,6 +465,7 @@ class Search {
   const AppliedElements& applied_;
   const KeyNames& names_;
   KeyNames::Allowance allowance_ = KeyNames::kAllowance;
+  ExtrasPlaces places_;
   std::vector<std::string> lines_;
   std::size_t count_ = 0;
 };

@@ -18,7 +18,9 @@ import tempfile
 
 import readme_programs
 
-LIBRARIES = {"palpate_geometry", "palpate_io", "palpate_haptics", "palpate_engine"}
+LIBRARIES = {f"palpate_{room}" for room in (
+    "base", "exact", "mesh", "index", "io", "gltf", "a4", "proxy", "effects", "strategies", "haptics",
+    "report", "scene", "devices", "session", "simulation")}
 NEEDED = {"Threads", "Eigen3", "OpenMesh", "nlohmann_json", "draco", "meshoptimizer", "embree", "TBB",
           "TINYGLTF_INCLUDE_DIR", "SPNG_INCLUDE_DIR", "SPNG_LIBRARY", "TURBOJPEG_INCLUDE_DIR",
           "TURBOJPEG_LIBRARY"}

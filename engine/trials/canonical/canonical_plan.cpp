@@ -24,16 +24,13 @@
 namespace palpate {
 namespace {
 
-using CanonicalJson = nlohmann::json;
+using Json = nlohmann::json;
 
 constexpr int kDefaultAngles = 7;
 constexpr double kDefaultStep_deg = 15.0;
 constexpr double kMostAngle_deg = 90.0;
-// As in plan.cpp: the limits of a display and of the ticks of a trial.
-constexpr NumberRange kCanonicalDisplay_Hz{0.0, 1e4, true};
-constexpr double kMostCanonicalTicks = 4e6;
 
-Error canonical_error(std::string element, std::string problem, std::string hint = {}) {
+Error plan_error(std::string element, std::string problem, std::string hint = {}) {
   return {ErrorCode::kInvalidContent, "", std::move(element), std::move(problem), std::move(hint)};
 }
 
@@ -57,8 +54,8 @@ const ParameterRange& range_of_person(const OperatorFile& person,
   return person.ranges[i];
 }
 
-void read_canonical_device(ObjectReader& reader, RunSettings& settings) {
-  const CanonicalJson* const found = reader.find("device");
+void read_device(ObjectReader& reader, RunSettings& settings) {
+  const Json* const found = reader.find("device");
   if (!found) return;
   const std::string element = reader.element_of("device");
   auto device = read_plan_device(*found, element);
@@ -66,20 +63,20 @@ void read_canonical_device(ObjectReader& reader, RunSettings& settings) {
   settings = std::move(*device);
   for (const char* const key : {"place", "plane_height_m"}) {
     if (!found->contains(key)) continue;
-    reader.fail(canonical_error(element + "/" + key, "is given; expected no such key",
-                                "the angles place the wall of the canonical protocol"));
+    reader.fail(plan_error(element + "/" + key, "is given; expected no such key",
+                           "the angles place the wall of the canonical protocol"));
   }
   const auto setup = make_setup(settings);  // read_plan_device() has checked it
   if (!setup || setup->actuation.actuators() == 1) return;
   const bool has_axes = found->contains("actuated_axes");
-  reader.fail(canonical_error(
-      element + (has_axes ? "/actuated_axes" : "/actuators"),
-      "gives " + std::to_string(setup->actuation.actuators()) + " motors; expected one",
-      "the angles of the canonical protocol are those to the axis of one motor"));
+  reader.fail(
+      plan_error(element + (has_axes ? "/actuated_axes" : "/actuators"),
+                 "gives " + std::to_string(setup->actuation.actuators()) + " motors; expected one",
+                 "the angles of the canonical protocol are those to the axis of one motor"));
 }
 
-void read_canonical_display(ObjectReader& reader, CanonicalPlan& plan) {
-  reader.number("display_Hz", plan.display_Hz, kCanonicalDisplay_Hz);
+void read_display(ObjectReader& reader, CanonicalPlan& plan) {
+  reader.number("display_Hz", plan.display_Hz, kDisplayRange_Hz);
   if (!reader.ok()) return;
   const double least_Hz = in_decimals(1.0 / (kPress_s + kHold_s));
   std::string expected;
@@ -91,12 +88,12 @@ void read_canonical_display(ObjectReader& reader, CanonicalPlan& plan) {
   } else {
     return;
   }
-  reader.fail(canonical_error(reader.element_of("display_Hz"),
-                              "is " + as_printed(plan.display_Hz) + "; expected " + expected));
+  reader.fail(plan_error(reader.element_of("display_Hz"),
+                         "is " + as_printed(plan.display_Hz) + "; expected " + expected));
 }
 
 void read_angles(ObjectReader& reader, std::vector<double>& angles_deg) {
-  const CanonicalJson* const found = reader.find("angles_deg", ObjectReader::Key::kOptional);
+  const Json* const found = reader.find("angles_deg", ObjectReader::Key::kOptional);
   if (!found) {
     for (int i = 0; i < kDefaultAngles; ++i) angles_deg.push_back(i * kDefaultStep_deg);
     return;
@@ -106,11 +103,11 @@ void read_angles(ObjectReader& reader, std::vector<double>& angles_deg) {
       "a list of 1 to " + std::to_string(kMostAngles) + " ascending angles from 0 to 90";
   if (!found->is_array()) return reader.fail(unexpected_value(element, *found, expected));
   if (found->empty() || found->size() > kMostAngles) {
-    return reader.fail(canonical_error(
+    return reader.fail(plan_error(
         element, "is a list of " + std::to_string(found->size()) + "; expected " + expected));
   }
   for (std::size_t i = 0; i < found->size(); ++i) {
-    const CanonicalJson& angle = (*found)[i];
+    const Json& angle = (*found)[i];
     const std::string at = element + "/" + std::to_string(i);
     const NumberRange range{0.0, kMostAngle_deg};
     if (!angle.is_number() || !range.contains(angle.get<double>())) {
@@ -118,7 +115,7 @@ void read_angles(ObjectReader& reader, std::vector<double>& angles_deg) {
     }
     const double angle_deg = angle.get<double>() + 0.0;  // not -0
     if (!angles_deg.empty() && !(angle_deg > angles_deg.back())) {
-      return reader.fail(canonical_error(
+      return reader.fail(plan_error(
           at,
           "is " + angle.dump() + " after " + (*found)[i - 1].dump() + "; expected a larger angle",
           "sort the angles, and leave out repeated ones"));
@@ -129,7 +126,7 @@ void read_angles(ObjectReader& reader, std::vector<double>& angles_deg) {
 
 // The hand stays in the workspace if it follows its target in any direction from the origin, where
 // the wall is touched.
-void check_canonical_workspace(ObjectReader& reader, const CanonicalPlan& plan) {
+void check_workspace(ObjectReader& reader, const CanonicalPlan& plan) {
   if (!reader.ok()) return;
   const double outside_m =
       plan.device.radius_m +
@@ -137,69 +134,69 @@ void check_canonical_workspace(ObjectReader& reader, const CanonicalPlan& plan) 
   const double least_m = in_decimals(2.0 * (kStroke_m + outside_m));
   const double extent_m = workspace_extent_m(plan.device.device);
   if (extent_m >= least_m) return;
-  reader.fail(canonical_error("/device/workspace_m",
-                              "is " + as_printed(extent_m) + " m; expected at least " +
-                                  as_printed(least_m) + " m: " + as_printed(kStroke_m) +
-                                  " m of the stroke and " + as_printed(in_decimals(outside_m)) +
-                                  " m, from where the hand comes, on each side of the origin",
-                              "enlarge the workspace, or reduce press_depth_m of the operator"));
+  reader.fail(plan_error("/device/workspace_m",
+                         "is " + as_printed(extent_m) + " m; expected at least " +
+                             as_printed(least_m) + " m: " + as_printed(kStroke_m) +
+                             " m of the stroke and " + as_printed(in_decimals(outside_m)) +
+                             " m, from where the hand comes, on each side of the origin",
+                         "enlarge the workspace, or reduce press_depth_m of the operator"));
 }
 
 // A stroke ends, and has not too many ticks.
-void check_canonical_ticks(ObjectReader& reader, const CanonicalPlan& plan) {
+void check_ticks(ObjectReader& reader, const CanonicalPlan& plan) {
   if (!reader.ok()) return;
   OperatorParameters slowest;
   slowest.speed_m_per_s = range_of_person(plan.person, &OperatorParameters::speed_m_per_s).low;
   const double most_s = range_of_person(plan.person, &OperatorParameters::sight_delay_s).high +
                         canonical_duration_s(slowest, CanonicalMotion::kStroked);
   const double ticks = in_decimals(most_s * plan.device.rate_Hz);
-  if (ticks <= kMostCanonicalTicks) return;
+  if (ticks <= kMostTrialTicks) return;
   const bool ends = std::isfinite(ticks);
   const std::string takes = ends ? "takes " + as_printed(ticks) + " ticks at the rate of the " +
                                        "device, " + as_printed(plan.device.rate_Hz) + " Hz"
                                  : std::string("never ends");
   const std::string hint = "raise the low end of speed_m_per_s";
-  reader.fail(canonical_error(reader.element_of("operator"),
-                              "strokes along the wall at " + as_printed(slowest.speed_m_per_s) +
-                                  " m/s, which " + takes + "; expected at most " +
-                                  as_printed(kMostCanonicalTicks) + " ticks",
-                              ends ? hint + ", or reduce /device/rate_Hz" : hint));
+  reader.fail(plan_error(reader.element_of("operator"),
+                         "strokes along the wall at " + as_printed(slowest.speed_m_per_s) +
+                             " m/s, which " + takes + "; expected at most " +
+                             as_printed(kMostTrialTicks) + " ticks",
+                         ends ? hint + ", or reduce /device/rate_Hz" : hint));
 }
 
-void check_canonical_count(ObjectReader& reader, const CanonicalPlan& plan) {
+void check_count(ObjectReader& reader, const CanonicalPlan& plan) {
   if (!reader.ok()) return;
   const std::uint64_t trials = static_cast<std::uint64_t>(plan.participants) * plan.cells().size();
   if (trials <= kMostTrials) return;
-  reader.fail(canonical_error("/participants",
-                              "gives a plan of " + std::to_string(trials) +
-                                  " trials; expected at most " + std::to_string(kMostTrials),
-                              "reduce the participants or the angles"));
+  reader.fail(plan_error("/participants",
+                         "gives a plan of " + std::to_string(trials) +
+                             " trials; expected at most " + std::to_string(kMostTrials),
+                         "reduce the participants or the angles"));
 }
 
-void read_canonical_keys(ObjectReader& reader, const std::string& folder, CanonicalPlan& plan) {
-  reader.find("protocol");  // read_canonical_plan() has checked it
+void read_keys(ObjectReader& reader, const std::string& folder, CanonicalPlan& plan) {
+  reader.find("protocol");  // read_plan() has checked it
   int format = 1;
   reader.whole("palpate_plan", format, 1, 1);
   reader.text("name", plan.name);
   reader.whole("seed", plan.seed, 0, (std::uint64_t{1} << 53) - 1);
   reader.whole("participants", plan.participants, 1, kMostParticipants);
-  read_canonical_device(reader, plan.device);
-  read_canonical_display(reader, plan);
+  read_device(reader, plan.device);
+  read_display(reader, plan);
   read_angles(reader, plan.angles_deg);
   read_plan_operator(reader, folder, plan.person);
 }
 
-std::uint64_t hash_of_content(CanonicalJson json, const OperatorFile& person) {
+std::uint64_t hash_of_content(Json json, const OperatorFile& person) {
   json["operator"] = person.name;
   KeyHash hash;
-  hash.add(json.dump(-1, ' ', true, CanonicalJson::error_handler_t::replace));
+  hash.add(json.dump(-1, ' ', true, Json::error_handler_t::replace));
   hash.add(kWallHalfLength_m).add(kWallThickness_m).add(kWallHeight_m);
   hash.add(kPress_s).add(kHold_s).add(kStroke_m).add(kComesFrom);
   return hash.value();
 }
 
-Result<CanonicalPlan> read_canonical_plan(const CanonicalJson& json, const std::string& path,
-                                          const std::string& folder) {
+Result<CanonicalPlan> read_plan(const Json& json, const std::string& path,
+                                const std::string& folder) {
   // First, because the keys depend on it.
   if (json.is_object() && json.contains("protocol") && json["protocol"] != kCanonicalPlan) {
     Error error = unexpected_value("/protocol", json["protocol"], std::string(kCanonicalPlan),
@@ -210,10 +207,10 @@ Result<CanonicalPlan> read_canonical_plan(const CanonicalJson& json, const std::
   CanonicalPlan plan;
   plan.path = path;
   ObjectReader reader(json, "");
-  read_canonical_keys(reader, folder, plan);
-  check_canonical_workspace(reader, plan);
-  check_canonical_ticks(reader, plan);
-  check_canonical_count(reader, plan);
+  read_keys(reader, folder, plan);
+  check_workspace(reader, plan);
+  check_ticks(reader, plan);
+  check_count(reader, plan);
   if (auto error = reader.finish()) {
     if (error->path.empty()) error->path = path;
     return *error;
@@ -238,7 +235,7 @@ Result<CanonicalPlan> parse_canonical_plan(std::string_view text, const std::str
                                            const std::string& folder) {
   const auto json = parse_strict_json(text, path);
   if (!json) return json.error();
-  return read_canonical_plan(*json, path, folder);
+  return read_plan(*json, path, folder);
 }
 
 Result<std::optional<CanonicalPlan>> load_canonical_plan(const std::string& name_or_path) {
@@ -252,8 +249,8 @@ Result<std::optional<CanonicalPlan>> load_canonical_plan(const std::string& name
   const auto json = parse_strict_json(text, name_or_path);
   if (!json) return json.error();
   if (!json->is_object() || !json->contains("protocol")) return std::optional<CanonicalPlan>();
-  auto plan = read_canonical_plan(*json, name_or_path,
-                                  std::filesystem::path(name_or_path).parent_path().string());
+  auto plan =
+      read_plan(*json, name_or_path, std::filesystem::path(name_or_path).parent_path().string());
   if (!plan) return plan.error();
   return std::optional<CanonicalPlan>(std::move(*plan));
 }

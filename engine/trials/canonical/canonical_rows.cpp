@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 using Row = CanonicalRow;
-using Field = Cells<CanonicalRow>;
+using Field = CsvCells<CanonicalRow>;
 
 constexpr NumberRange kAtLeast0{0.0};
 constexpr NumberRange kParticipants{0.0, 1e9};

@@ -24,23 +24,23 @@ std::uint64_t canonical_noise_seed(std::uint64_t seed, int participant, const Ca
       .value();
 }
 
-Error canonical_device_error(const Error& error, const CanonicalPlan& plan) {
+Error device_error(const Error& error, const CanonicalPlan& plan) {
   Error of_plan = as_plan_error(error, "/device");
   of_plan.path = plan.path;
   return of_plan;
 }
 
 // The errors of run_canonical_trial(), which depend on the person and on nothing else of a trial.
-std::optional<Error> check_canonical_trials(const CanonicalPlan& plan, const Scene& wall,
-                                            const RunSetup& device) {
+std::optional<Error> check_trials(const CanonicalPlan& plan, const Scene& wall,
+                                  const RunSetup& device) {
   for (const CanonicalCell& cell : plan.cells()) {
     const RunSetup setup = canonical_setup(device, cell.angle_deg, cell.rotates);
-    if (auto error = check_setup(wall, setup)) return canonical_device_error(*error, plan);
+    if (auto error = check_setup(wall, setup)) return device_error(*error, plan);
   }
   for (int participant = 1; participant <= plan.participants; ++participant) {
     const OperatorParameters person = draw_person(plan.person, plan.seed, participant);
     if (auto error = check_plant(plant_of(device, person, 0), device.dt_s)) {
-      return canonical_device_error(*error, plan);
+      return device_error(*error, plan);
     }
   }
   return std::nullopt;
@@ -94,10 +94,10 @@ Result<DealtOutcome> run_canonical(const CanonicalPlan& plan, const DealtSetting
                                    const std::function<void(const RunProgress&)>& progress,
                                    const StopFlag* stop) {
   const auto device = make_setup(plan.device);
-  if (!device) return canonical_device_error(device.error(), plan);
+  if (!device) return device_error(device.error(), plan);
   const auto wall = canonical_wall(plan.device.radius_m);
-  if (!wall) return canonical_device_error(wall.error(), plan);
-  if (auto error = check_canonical_trials(plan, *wall, *device)) return *error;
+  if (!wall) return device_error(wall.error(), plan);
+  if (auto error = check_trials(plan, *wall, *device)) return *error;
   return run_dealt(dealt_canonical(plan, *wall, *device), settings, progress, stop);
 }
 

@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-using PlanJson = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 // "my star.glb" becomes "my_star".
 std::string object_name_of(const std::string& path) {
@@ -55,8 +55,8 @@ std::string path_from(const std::string& folder, const std::string& file) {
   return (is_found ? relative : target).generic_string();
 }
 
-PlanJson object_json(const SceneSettings& scene, const std::string& file) {
-  PlanJson json{{"file", file}};
+Json object_json(const SceneSettings& scene, const std::string& file) {
+  Json json{{"file", file}};
   if (!scene.node.empty()) json["node"] = scene.node;
   if (scene.fit_size_m > 0.0) {
     json["fit_size_m"] = scene.fit_size_m;
@@ -70,8 +70,8 @@ PlanJson object_json(const SceneSettings& scene, const std::string& file) {
   return json;
 }
 
-PlanJson strategies_json(const CompareSettings& settings, CompareHands hands) {
-  PlanJson names = PlanJson::array();
+Json strategies_json(const CompareSettings& settings, CompareHands hands) {
+  Json names = Json::array();
   if (hands == CompareHands::kCompared) {
     for (const Strategy& strategy : settings.strategies) names.push_back(name_of(strategy));
   }
@@ -84,32 +84,32 @@ PlanJson strategies_json(const CompareSettings& settings, CompareHands hands) {
 // path_of: converts a path from the current folder to one in the plan.
 template <typename PathOf>
 std::string plan_text(const CompareSettings& settings, CompareHands hands, const PathOf& path_of) {
-  PlanJson objects = PlanJson::object();
+  Json objects = Json::object();
   const auto names = object_names(settings.scenes);
   for (std::size_t i = 0; i < names.size(); ++i) {
     objects[names[i]] = object_json(settings.scene, path_of(settings.scenes[i]));
   }
   const bool is_shipped = !shipped_operator_text(settings.person).empty();
-  PlanJson followings = PlanJson::array();
+  Json followings = Json::array();
   for (std::size_t i = 0; i < (settings.has_all_followings ? kTurningFollowings : 1); ++i) {
     followings.push_back(kFollowingNames[i]);
   }
-  PlanJson plan = {{"palpate_plan", 1},
-                   {"name", hands == CompareHands::kCompared ? "compare" : "compare, tuning"},
-                   {"seed", compare_seed(settings.seed, hands)},
-                   {"participants", settings.hands},
-                   {"blocks", 1},
-                   {"practice_blocks", 0},
-                   {"device", plan_device_json(settings.device)},
-                   {"display_Hz", TrialSettings{}.display_Hz},
-                   {"sphere_radius_m", TrialSettings{}.sphere_radius_m},
-                   {"limit_s", TrialSettings{}.limit_s},
-                   {"strategies", strategies_json(settings, hands)},
-                   {"objects", objects},
-                   {"operator", is_shipped ? settings.person : path_of(settings.person)},
-                   {"followings", followings}};
+  Json plan = {{"palpate_plan", 1},
+               {"name", hands == CompareHands::kCompared ? "compare" : "compare, tuning"},
+               {"seed", compare_seed(settings.seed, hands)},
+               {"participants", settings.hands},
+               {"blocks", 1},
+               {"practice_blocks", 0},
+               {"device", plan_device_json(settings.device)},
+               {"display_Hz", TrialSettings{}.display_Hz},
+               {"sphere_radius_m", TrialSettings{}.sphere_radius_m},
+               {"limit_s", TrialSettings{}.limit_s},
+               {"strategies", strategies_json(settings, hands)},
+               {"objects", objects},
+               {"operator", is_shipped ? settings.person : path_of(settings.person)},
+               {"followings", followings}};
   if (settings.device.align == Alignment::kForward) plan["align"] = "forward";
-  return plan.dump(1, ' ', false, PlanJson::error_handler_t::replace) + "\n";
+  return plan.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ std::size_t place_in(const std::array<std::string_view, count>& names, const std
 }
 
 using Row = SweepRow;
-using Field = Cells<SweepRow>;
+using Field = CsvCells<SweepRow>;
 
 constexpr FieldRule kWord{"a known word", Blank::kNone, {}};
 constexpr FieldRule kWordOrEmpty{"a known word", Blank::kEmpty, {}};

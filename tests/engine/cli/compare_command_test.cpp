@@ -18,11 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using test::content_of;
+using test::kStar;
 using test::TemporaryFolder;
 
 using Arguments = std::vector<std::string>;
-
-const std::string kStar = PALPATE_MODELS_DIR "/star.glb";
 
 class CompareCommandTest : public testing::Test {
  protected:

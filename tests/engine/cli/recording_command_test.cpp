@@ -29,6 +29,7 @@ namespace palpate {
 namespace {
 
 using test::content_of;
+using test::kStar;
 using test::Outcome;
 using test::outcome_of;
 using test::run_program;
@@ -37,10 +38,8 @@ using test::TemporaryFolder;
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRecordedStar = PALPATE_MODELS_DIR "/star.glb";
-
 std::vector<std::string> recorded_run(const std::string& file, const std::string& a4 = "on") {
-  return {"run", kRecordedStar, "--virtual", "--seconds", "5", "--a4", a4, "--record", file};
+  return {"run", kStar, "--virtual", "--seconds", "5", "--a4", a4, "--record", file};
 }
 
 // A run that is not comparable after 5 s, which is none of the tests' business.
@@ -67,8 +66,8 @@ TEST(RecordingCommand, ARunIsRecordedAndReplaysToTheBit) {
   const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
   EXPECT_EQ(replayed.out, "5000 ticks computed again, each with the same bits\n");
-  const Outcome json = run_program(folder, {"replay", "a.palpate", "--json"});
-  EXPECT_EQ(nlohmann::json::parse(json.out)["proved_ticks"], 5000);
+  const Outcome result = run_program(folder, {"replay", "a.palpate", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(result.out)["proved_ticks"], 5000);
   const Outcome checked = run_program(folder, {"recording", "check", "a.palpate"});
   EXPECT_EQ(checked.exit_code, 0) << checked.out;
   // The content decides, not the name.
@@ -106,7 +105,7 @@ TEST(RecordingCommand, AFileThatExistsIsRefusedBeforeTheRun) {
 
 TEST(RecordingCommand, ARunInRealTimeReplaysToTheBit) {
   const TemporaryFolder folder;
-  record(folder, {"run", kRecordedStar, "--seconds", "2", "--a4", "on", "--record", "a.palpate"});
+  record(folder, {"run", kStar, "--seconds", "2", "--a4", "on", "--record", "a.palpate"});
   const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
 }
@@ -114,7 +113,7 @@ TEST(RecordingCommand, ARunInRealTimeReplaysToTheBit) {
 // --move, an effect and the force of all axes.
 TEST(RecordingCommand, ARunWithMovingNodesReplaysToTheBit) {
   const TemporaryFolder folder;
-  const Outcome info = run_program(folder, {"info", kRecordedStar, "--list", "--json"});
+  const Outcome info = run_program(folder, {"info", kStar, "--list", "--json"});
   const std::string node = nlohmann::json::parse(info.out)[0]["name"];
   auto arguments = recorded_run("a.palpate");
   arguments.insert(arguments.end(), {"--sensors", "3", "--actuators", "2", "--force", "full",
@@ -128,7 +127,7 @@ TEST(RecordingCommand, ARunWithMovingNodesReplaysToTheBit) {
 
 TEST(RecordingCommand, AChangedSceneIsRefusedByNameAndAMovedOneIsFound) {
   const TemporaryFolder folder;
-  fs::copy_file(kRecordedStar, folder.path("star.glb"));
+  fs::copy_file(kStar, folder.path("star.glb"));
   auto arguments = recorded_run("a.palpate");
   arguments[1] = "star.glb";
   record(folder, arguments);
@@ -144,19 +143,19 @@ TEST(RecordingCommand, AnswersWhatIf) {
   record(folder, recorded_run("a.palpate"));
   const Outcome same = run_program(folder, {"replay", "a.palpate", "--a4", "on", "--json"});
   ASSERT_EQ(same.exit_code, 0) << same.err;
-  auto json = nlohmann::json::parse(same.out);
-  EXPECT_EQ(json["recorded"]["mean_penetration_m"], json["what_if"]["mean_penetration_m"]);
+  auto result = nlohmann::json::parse(same.out);
+  EXPECT_EQ(result["recorded"]["mean_penetration_m"], result["what_if"]["mean_penetration_m"]);
   const Outcome other =
       run_program(folder, {"replay", "a.palpate", "--a4", "off", "--stiffness", "2000", "--json"});
   ASSERT_EQ(other.exit_code, 0) << other.err;
-  json = nlohmann::json::parse(other.out);
-  EXPECT_EQ(json["open_loop"], true);
-  EXPECT_GT(json["recorded"]["effects"]["a4"]["ticks"], 0);
-  EXPECT_EQ(json["what_if"]["effects"]["a4"]["ticks"], 0);
+  result = nlohmann::json::parse(other.out);
+  EXPECT_EQ(result["open_loop"], true);
+  EXPECT_GT(result["recorded"]["effects"]["a4"]["ticks"], 0);
+  EXPECT_EQ(result["what_if"]["effects"]["a4"]["ticks"], 0);
   const Outcome text = run_program(folder, {"replay", "a.palpate", "--damping", "1"});
   EXPECT_NE(text.out.find("open loop"), std::string::npos) << text.out;
   expect_one_line(run_program(folder, {"replay", "a.palpate", "--sensors", "3"}), "--sensors");
-  expect_one_line(run_program(folder, {"replay", kRecordedStar}), "--trajectory");
+  expect_one_line(run_program(folder, {"replay", kStar}), "--trajectory");
 }
 
 // A recording states the rule of alignment, so that its replay turns the same way round.
@@ -168,15 +167,15 @@ TEST(RecordingCommand, ARunThatAlignsForwardReplaysToTheBit) {
   EXPECT_EQ(run_program(folder, {"replay", "a.palpate"}).exit_code, 0);
   const Outcome same = run_program(folder, {"replay", "a.palpate", "--align", "forward", "--json"});
   ASSERT_EQ(same.exit_code, 0) << same.err;
-  auto json = nlohmann::json::parse(same.out);
+  auto result = nlohmann::json::parse(same.out);
   const auto angle = [&](const char* which) {
-    return json[which]["mean_contact_angle_deg"].get<double>();
+    return result[which]["mean_contact_angle_deg"].get<double>();
   };
   EXPECT_EQ(angle("recorded"), angle("what_if"));
   const Outcome nearest =
       run_program(folder, {"replay", "a.palpate", "--align", "nearest", "--json"});
   ASSERT_EQ(nearest.exit_code, 0) << nearest.err;
-  json = nlohmann::json::parse(nearest.out);
+  result = nlohmann::json::parse(nearest.out);
   EXPECT_NE(angle("recorded"), angle("what_if"));
   // A recording with two motors has no such question.
   auto two = recorded_run("b.palpate");
@@ -190,9 +189,9 @@ TEST(RecordingCommand, WhatIfWithTheFullForceHasAllMotors) {
   record(folder, recorded_run("a.palpate", "off"));
   const Outcome full = run_program(folder, {"replay", "a.palpate", "--force", "full", "--json"});
   ASSERT_EQ(full.exit_code, 0) << full.err;
-  const auto json = nlohmann::json::parse(full.out);
-  EXPECT_NE(json["recorded"]["work_lost_J"], 0.0);
-  EXPECT_EQ(json["what_if"]["work_lost_J"], 0.0);
+  const auto result = nlohmann::json::parse(full.out);
+  EXPECT_NE(result["recorded"]["work_lost_J"], 0.0);
+  EXPECT_EQ(result["what_if"]["work_lost_J"], 0.0);
 }
 
 // A device that draws circles through the middle of the scene.
@@ -313,21 +312,21 @@ TEST(RecordingCommand, OnlyTheLogOfTheFileItselfIsUsed) {
 TEST(RecordingCommand, ARunWithAStrategyReplaysToTheBit) {
   for (const std::string strategy : {"full", "a4", "a4-anticipate", "anisotropic:0.25", "cd"}) {
     const TemporaryFolder folder;
-    record(folder, {"run", kRecordedStar, "--virtual", "--seconds", "5", "--strategy", strategy,
-                    "--record", "a.palpate"});
+    record(folder, {"run", kStar, "--virtual", "--seconds", "5", "--strategy", strategy, "--record",
+                    "a.palpate"});
     const Outcome replayed = run_program(folder, {"replay", "a.palpate"});
     EXPECT_EQ(replayed.exit_code, 0) << strategy << replayed.out << replayed.err;
     const Outcome same =
         run_program(folder, {"replay", "a.palpate", "--strategy", strategy, "--json"});
     ASSERT_EQ(same.exit_code, 0) << same.err;
-    auto json = nlohmann::json::parse(same.out);
-    EXPECT_EQ(json["open_loop"], true);
-    EXPECT_EQ(json["recorded"]["port_work_J"], json["what_if"]["port_work_J"]) << strategy;
+    auto result = nlohmann::json::parse(same.out);
+    EXPECT_EQ(result["open_loop"], true);
+    EXPECT_EQ(result["recorded"]["port_work_J"], result["what_if"]["port_work_J"]) << strategy;
     const Outcome other =
         run_program(folder, {"replay", "a.palpate", "--strategy", "mask", "--json"});
     ASSERT_EQ(other.exit_code, 0) << other.err;
-    json = nlohmann::json::parse(other.out);
-    EXPECT_NE(json["recorded"]["port_work_J"], json["what_if"]["port_work_J"]) << strategy;
+    result = nlohmann::json::parse(other.out);
+    EXPECT_NE(result["recorded"]["port_work_J"], result["what_if"]["port_work_J"]) << strategy;
     expect_one_line(
         run_program(folder, {"replay", "a.palpate", "--strategy", "mask", "--force", "none"}),
         "--strategy: is given beside --force");
@@ -337,8 +336,8 @@ TEST(RecordingCommand, ARunWithAStrategyReplaysToTheBit) {
 // A strategy of another version is refused by name.
 TEST(RecordingCommand, AnUnknownStrategyIsRefusedByName) {
   const TemporaryFolder folder;
-  record(folder, {"run", kRecordedStar, "--virtual", "--seconds", "2", "--strategy", "cd",
-                  "--record", "a.palpate"});
+  record(folder, {"run", kStar, "--virtual", "--seconds", "2", "--strategy", "cd", "--record",
+                  "a.palpate"});
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(folder.path("a.palpate").c_str(), &db), SQLITE_OK);
   const char* update = "UPDATE meta SET value = 'springs' WHERE key = 'strategy'";
@@ -352,7 +351,7 @@ TEST(RecordingCommand, AFullDiskEndsTheRecordingAndNotTheRun) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path("small"));
   const std::string program = PALPATE_PROGRAM;
-  const std::string run = program + " run " + kRecordedStar + " --seconds 5 --a4 on --out ";
+  const std::string run = program + " run " + kStar + " --seconds 5 --a4 on --out ";
   const std::string script =
       "cd " + folder.path() + " || exit 9\n" + run + "plain > plain.txt\n" +
       "echo $? > plain.code\n" + "mount -t tmpfs -o size=200k none small || exit 9\n" + run +
@@ -365,9 +364,9 @@ TEST(RecordingCommand, AFullDiskEndsTheRecordingAndNotTheRun) {
   EXPECT_EQ(content_of(folder.path("full.code")), content_of(folder.path("plain.code")));
   const std::string warning = content_of(folder.path("full.err"));
   EXPECT_NE(warning.find("the recording ended: small/a.palpate"), std::string::npos) << warning;
-  const auto json = nlohmann::json::parse(content_of(folder.path("full.txt")));
-  EXPECT_NE(json["recordings"][0]["problem"].get<std::string>().find("full"), std::string::npos);
-  EXPECT_EQ(json["runs"][0]["ticks"], 5'000);
+  const auto result = nlohmann::json::parse(content_of(folder.path("full.txt")));
+  EXPECT_NE(result["recordings"][0]["problem"].get<std::string>().find("full"), std::string::npos);
+  EXPECT_EQ(result["runs"][0]["ticks"], 5'000);
   EXPECT_EQ(content_of(folder.path("check.code")), "0\n");
   const auto check = nlohmann::json::parse(content_of(folder.path("check.txt")))[0];
   EXPECT_GT(check["ticks"], 200);
@@ -381,8 +380,8 @@ TEST(RecordingCommand, AFullDiskEndsTheRecordingAndNotTheRun) {
 TEST(RecordingCommand, AFullDiskKeepsWhatFitsAndSaysSo) {
   const TemporaryFolder folder;
   const auto run = [&](const std::string& file, const std::string& out) {
-    return std::vector<std::string>{"run", kRecordedStar, "--virtual", "--seconds", "20", "--a4",
-                                    "on",  "--out",       out,         "--record",  file, "--json"};
+    return std::vector<std::string>{"run", kStar,   "--virtual", "--seconds", "20", "--a4",
+                                    "on",  "--out", out,         "--record",  file, "--json"};
   };
   for (const int kilobytes : {200, 300, 404, 700, 1'000}) {
     const std::string file = std::to_string(kilobytes) + ".palpate";
@@ -412,8 +411,8 @@ TEST(RecordingCommand, ADiskWithoutSpaceForARecordingIsNamed) {
   const TemporaryFolder folder;
   for (const rlim_t bytes : {1'000, 5'000, 12'288, 40'000}) {
     const test::FileSizeLimit limit(bytes);
-    const Outcome o = run_program(
-        folder, {"run", kRecordedStar, "--virtual", "--seconds", "2", "--record", "a.palpate"});
+    const Outcome o =
+        run_program(folder, {"run", kStar, "--virtual", "--seconds", "2", "--record", "a.palpate"});
     EXPECT_EQ(o.exit_code, 2);
     EXPECT_NE(o.err.find("a-off.palpate: cannot be written: the disk is full"), std::string::npos)
         << bytes << o.err;
@@ -436,18 +435,18 @@ TEST(RecordingCommand, InfoIsASummaryAndHasTheKeysOnRequest) {
   EXPECT_LT(std::count(info.out.begin(), info.out.end(), '\n'), 20);
   const Outcome keys = run_program(folder, {"recording", "info", "--keys", "a.palpate"});
   EXPECT_NE(keys.out.find("proxy.work_budget"), std::string::npos);
-  const auto json = nlohmann::json::parse(
+  const auto result = nlohmann::json::parse(
       run_program(folder, {"recording", "info", "a.palpate", "--json"}).out)[0];
-  EXPECT_EQ(json["ticks"], 5000);
-  EXPECT_EQ(json["gaps"], 0);
-  EXPECT_TRUE(json["meta"].contains("proxy.work_budget"));
+  EXPECT_EQ(result["ticks"], 5000);
+  EXPECT_EQ(result["gaps"], 0);
+  EXPECT_TRUE(result["meta"].contains("proxy.work_budget"));
 }
 
 // kill -9: all but the last half second is there, and check says that there is no ending.
 TEST(RecordingCommand, AKilledRunLeavesARecordingThatReplays) {
   const TemporaryFolder folder;
   const auto started = start_program(
-      folder, {"run", kRecordedStar, "--seconds", "60", "--a4", "on", "--record", "a.palpate"});
+      folder, {"run", kStar, "--seconds", "60", "--a4", "on", "--record", "a.palpate"});
   std::this_thread::sleep_for(std::chrono::milliseconds(3'000));
   ::kill(started.process, SIGKILL);
   EXPECT_EQ(outcome_of(started).exit_code, -1);

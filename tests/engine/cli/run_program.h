@@ -1,6 +1,7 @@
 #pragma once
 
-// Runs the program as a script does. Needs PALPATE_PROGRAM, the path of the program.
+// Runs the program as a script does. Needs PALPATE_PROGRAM, the path of the program, and
+// PALPATE_MODELS_DIR, the folder of the models.
 
 #include <fcntl.h>
 #include <fstream>
@@ -18,6 +19,8 @@
 #include "tests/helpers/gltf_builder.h"
 
 namespace palpate::test {
+
+inline constexpr const char* kStar = PALPATE_MODELS_DIR "/star.glb";
 
 // The results of one run of the program.
 struct Outcome {

@@ -14,16 +14,15 @@ namespace palpate {
 namespace {
 
 using test::content_of;
+using test::kStar;
 using test::Outcome;
 using test::run_program;
 using test::TemporaryFolder;
 
-constexpr const char* kSoakedStar = PALPATE_MODELS_DIR "/star.glb";
-
 TEST(SoakCommand, ReportsEveryTickWithItsTimes) {
   const TemporaryFolder folder;
-  const Outcome done = run_program(folder, {"soak", kSoakedStar, "--minutes", "0.05", "--rate",
-                                            "500", "--out", "report", "--cpu-times"});
+  const Outcome done = run_program(folder, {"soak", kStar, "--minutes", "0.05", "--rate", "500",
+                                            "--out", "report", "--cpu-times"});
   ASSERT_EQ(done.exit_code, 0) << done.err;
   const std::string text = content_of(folder.path("report/soak.txt"));
   EXPECT_EQ(done.out, text + "report in report/\n");
@@ -62,13 +61,13 @@ TEST(SoakCommand, CountsAndTimesTheEffects) {
 TEST(SoakCommand, RefusesBadArgumentsAndLeavesNothing) {
   const TemporaryFolder folder;
   for (const auto& arguments : {std::vector<std::string>{"soak"},
-                                {"soak", kSoakedStar, "--minutes", "0"},
-                                {"soak", kSoakedStar, "--minutes", "0.03"},
-                                {"soak", kSoakedStar, "--minutes", "nan"},
-                                {"soak", kSoakedStar, "--minutes", "2000"},
-                                {"soak", kSoakedStar, "--rate", "0"},
-                                {"soak", kSoakedStar, "--cpu", "-1"},
-                                {"soak", kSoakedStar, "--virtual"},
+                                {"soak", kStar, "--minutes", "0"},
+                                {"soak", kStar, "--minutes", "0.03"},
+                                {"soak", kStar, "--minutes", "nan"},
+                                {"soak", kStar, "--minutes", "2000"},
+                                {"soak", kStar, "--rate", "0"},
+                                {"soak", kStar, "--cpu", "-1"},
+                                {"soak", kStar, "--virtual"},
                                 {"soak", "missing.glb"}}) {
     const Outcome refused = run_program(folder, arguments);
     EXPECT_EQ(refused.exit_code, 2) << refused.err;

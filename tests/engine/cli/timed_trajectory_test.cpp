@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/engine/cli/command_line_fixture.h"
 #include "tests/engine/cli/run_program.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
@@ -27,6 +28,7 @@ using test::GltfBuilder;
 using test::Outcome;
 using test::Random;
 using test::TemporaryFolder;
+using test::without_times;
 
 constexpr float kHalf_m = 0.0625f;  // exact in binary: the top of the cube is where the file says
 
@@ -82,24 +84,6 @@ std::vector<Row> rows_of_trace(const std::string& csv) {
   return rows;
 }
 
-// A trace without the measured time of each tick.
-std::string without_step_times(const std::string& csv) {
-  std::istringstream lines(csv);
-  std::string text;
-  std::vector<bool> is_measured;
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream fields(line);
-    const bool is_header = is_measured.empty();
-    std::size_t column = 0;
-    for (std::string field; std::getline(fields, field, ','); ++column) {
-      if (is_header) is_measured.push_back(field.ends_with("_ns"));
-      if (!is_measured.at(column)) text += field + ",";
-    }
-    text += "\n";
-  }
-  return text;
-}
-
 std::string shown(const char* format, double value) {
   std::array<char, 64> text;
   std::snprintf(text.data(), text.size(), format, value);
@@ -121,7 +105,7 @@ class TimedTrajectory : public testing::Test {
                        const std::vector<std::string>& more = {}) const {
     const Outcome o = replay(scene, folder.write("path.txt", text), more);
     EXPECT_EQ(o.exit_code, 0) << o.err;
-    return without_step_times(trace());
+    return without_times(trace());
   }
 
   std::string cube(const json& material = json::object()) const {
@@ -377,7 +361,7 @@ TEST_F(TimedTrajectory, ReplaysATraceWithItsTimes) {
   EXPECT_NEAR(rows_of_trace(trace()).back().t_s, duration_s, 1e-12 * duration_s);
   const std::string file = folder.write("first.csv", trace());
   ASSERT_EQ(replay(scene, file, {"--damping", "3"}).exit_code, 0);
-  EXPECT_TRUE(without_step_times(trace()) == first);
+  EXPECT_TRUE(without_times(trace()) == first);
 }
 
 TEST_F(TimedTrajectory, InterpolatesInTimeAtAGivenRate) {

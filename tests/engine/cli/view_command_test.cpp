@@ -22,11 +22,10 @@ namespace palpate {
 namespace {
 
 using test::content_of;
+using test::kStar;
 using test::Outcome;
 using test::run_program;
 using test::TemporaryFolder;
-
-const std::string kViewedStar = PALPATE_MODELS_DIR "/star.glb";
 
 // The same in a program with the page and in one without it.
 TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
@@ -34,21 +33,21 @@ TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"view"},
         {"view", "no-such.glb"},
-        {"view", kViewedStar, "--port", "65536"},
-        {"view", kViewedStar, "--port", "-1"},
-        {"view", kViewedStar, "--a4", "compare"},
-        {"view", kViewedStar, "--strategy", "a4", "--a4", "on"},
-        {"view", kViewedStar, "--strategy", "anisotropic:17"},
-        {"view", kViewedStar, "--cpu", "0"},
-        {"view", kViewedStar, "--allow-host", "desk.example:80"},
-        {"view", kViewedStar, "--allow-host", "2001:db8::1"},
-        {"view", kViewedStar, "--allow-host", ""},
-        {"view", kViewedStar, "--allow-origin", "desk.example"},
-        {"view", kViewedStar, "--allow-origin", "https://desk.example/lab/"},
-        {"view", kViewedStar, "--allow-origin", "null"},
-        {"view", kViewedStar, "--allow-origin", "https://*.example"},
-        {"view", kViewedStar, "--allow-origin", ""},
-        {"view", kViewedStar, "--device", "hapi:port=/no/such/port"}}) {
+        {"view", kStar, "--port", "65536"},
+        {"view", kStar, "--port", "-1"},
+        {"view", kStar, "--a4", "compare"},
+        {"view", kStar, "--strategy", "a4", "--a4", "on"},
+        {"view", kStar, "--strategy", "anisotropic:17"},
+        {"view", kStar, "--cpu", "0"},
+        {"view", kStar, "--allow-host", "desk.example:80"},
+        {"view", kStar, "--allow-host", "2001:db8::1"},
+        {"view", kStar, "--allow-host", ""},
+        {"view", kStar, "--allow-origin", "desk.example"},
+        {"view", kStar, "--allow-origin", "https://desk.example/lab/"},
+        {"view", kStar, "--allow-origin", "null"},
+        {"view", kStar, "--allow-origin", "https://*.example"},
+        {"view", kStar, "--allow-origin", ""},
+        {"view", kStar, "--device", "hapi:port=/no/such/port"}}) {
     const Outcome outcome = run_program(folder, arguments);
     EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
@@ -59,7 +58,7 @@ TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
 TEST(ViewCommand, SaysWhatToRunWithoutThePage) {
   if (embedded_page()) GTEST_SKIP() << "the program has the page; see ServesUntilCtrlC";
   const TemporaryFolder folder;
-  const Outcome outcome = run_program(folder, {"view", kViewedStar});
+  const Outcome outcome = run_program(folder, {"view", kStar});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(outcome.err,
             "palpate: view: is not complete: the program has no page (run ./run.sh view, which "
@@ -70,7 +69,7 @@ TEST(ViewCommand, SaysWhatToRunWithoutThePage) {
 class Serving {
  public:
   Serving(const TemporaryFolder& folder, std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"view", kViewedStar});
+    arguments.insert(arguments.begin(), {"view", kStar});
     program_ = test::start_program(folder, arguments);
     const auto end = std::chrono::steady_clock::now() + test::kPatience;
     while (content_of(program_.out).find('\n') == std::string::npos &&
@@ -108,7 +107,7 @@ TEST(ViewCommand, ServesUntilCtrlC) {
   page.send_text(R"({"type":"token","token":")" + token + "\"}");
   page.read_text_with("\"hello\"");
   const TemporaryFolder other;  // whose output does not overwrite that of the first program
-  const Outcome taken = run_program(other, {"view", kViewedStar, "--port", std::to_string(port)});
+  const Outcome taken = run_program(other, {"view", kStar, "--port", std::to_string(port)});
   EXPECT_EQ(taken.exit_code, 2);
   EXPECT_EQ(taken.err, "palpate: --port: is " + std::to_string(port) +
                            ", which is taken; expected a free port (choose another one, or 0 for "
@@ -201,7 +200,7 @@ TEST(ViewCommand, RecordsTheSession) {
   EXPECT_NE(outcome.out.find("recording in live.palpate: "), std::string::npos) << outcome.out;
   const Outcome proved = run_program(folder, {"replay", "live.palpate"});
   EXPECT_EQ(proved.exit_code, 0) << proved.err << proved.out;
-  const Outcome again = run_program(folder, {"view", kViewedStar, "--record", "live.palpate"});
+  const Outcome again = run_program(folder, {"view", kStar, "--record", "live.palpate"});
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_NE(again.err.find("live.palpate: exists"), std::string::npos) << again.err;
 }

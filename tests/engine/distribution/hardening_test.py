@@ -18,8 +18,9 @@ import subprocess
 import sys
 
 # Folders, and the sources of palpate_unchecked().
-OF_THE_TICK = re.compile(r"geometry/|haptics/|engine/CMakeFiles/palpate_engine\.dir/(session/haptic_session|"
-                         r"session/node_motions|simulation/path_plan|simulation/simulated_device)\.")
+OF_THE_TICK = re.compile(r"geometry/|haptics/|"
+                         r"engine/session/CMakeFiles/palpate_session\.dir/(haptic_session|node_motions)\.|"
+                         r"engine/simulation/CMakeFiles/palpate_simulation\.dir/(path_plan|simulated_device)\.")
 OTHER_PROGRAM = "make_record_decoder"  # runs while the page is built
 
 failures = []

@@ -167,13 +167,14 @@ class Switches final : public BeforeTick {
     if (random_.uniform(0, 1) >= per_tick_) return;
     switch (static_cast<int>(random_.uniform(0, 6))) {
       case 0:
-        changes.set_a4(random_.uniform(0, 1) < 0.6);
+        changes.set(live_setting("a4"), random_.uniform(0, 1) < 0.6 ? 1.0 : 0.0);
         break;
       case 1:
-        changes.set_force(static_cast<ForceMode>(static_cast<int>(random_.uniform(0, 3))));
+        changes.set(live_setting("force"), std::floor(random_.uniform(0, 3)));
         break;
       case 2:
-        changes.set_coupling(random_.uniform(200, 1500), random_.uniform(0, 2));
+        changes.set(live_setting("stiffness"), random_.uniform(200, 1500));
+        changes.set(live_setting("damping"), random_.uniform(0, 2));
         break;
       case 3: {
         const std::array axes = {Vec3(random_.uniform(-1, 1), 1.0, random_.uniform(-1, 1))};
@@ -207,6 +208,7 @@ class TickKeeper final : public TickSink {
   }
   void on_input(const TickInput& input) noexcept override {
     ++inputs[static_cast<std::size_t>(input.kind)];
+    for (const LiveChange& change : LiveChanges(input).all()) ++settings[change.setting];
     if (next_) next_->on_input(input);
   }
   void on_tick(const TickRecord& record, const TickReading& reading) noexcept override {
@@ -223,6 +225,7 @@ class TickKeeper final : public TickSink {
 
   std::vector<RecordedTick> rows;
   std::array<std::uint64_t, kInputKinds.size()> inputs{};
+  std::array<std::uint64_t, kLiveSettings.size()> settings{};
   std::uint64_t trips = 0;
 
  private:

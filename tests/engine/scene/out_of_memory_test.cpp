@@ -15,6 +15,7 @@
 #include "engine/scene/scene.h"
 #include "engine/session/replay.h"
 #include "engine/simulation/exploration.h"
+#include "geometry/base/memory_ledger.h"
 #include "geometry/base/parallel.h"
 #include "io/gltf/reader.h"
 #include "models/primitives.h"

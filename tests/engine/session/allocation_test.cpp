@@ -607,7 +607,7 @@ TEST(SilentView, PublishesTicksAndTakesChangesWithoutAllocating) {
   for (std::uint64_t n = 1; n < 5000; ++n) {
     const Vec3 target = middle + random.in_box(0.1);
     if (n % 20 == 0) plan.point({n % 300 != 0, n, {target.x(), target.y(), target.z()}});
-    if (n % 50 == 0) live.set_a4(n % 100 == 0);
+    if (n % 50 == 0) live.set(live_setting("a4"), n % 100 == 0 ? 1.0 : 0.0);
     if (n % 70 == 0) live.set_axes({random.unit_vector()});
     if (n % 900 == 0) plan.start();
     session.set_paused(n % 400 < 10);

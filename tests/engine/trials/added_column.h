@@ -19,7 +19,7 @@ void expect_added_column_everywhere(CsvTable<Row> table, const Row& row) {
   double pressure_Pa = 0.25;
   table.columns.push_back(
       {"pressure_Pa", "Pa", "pressure of the \"hand\"", "", Presence::kRequired,
-       Cells<Row>::number(
+       CsvCells<Row>::number(
            [&](auto&) -> auto& { return pressure_Pa; }, NumberRange{0.0, 2.0})});
   EXPECT_EQ(names_in(table), names + ",pressure_Pa");
   const std::string text = columns_text(table);

@@ -22,6 +22,11 @@
 namespace palpate::test {
 namespace {
 
+constexpr std::size_t kA4 = live_setting("a4");
+constexpr std::size_t kForce = live_setting("force");
+constexpr std::size_t kStiffness = live_setting("stiffness");
+constexpr std::size_t kDamping = live_setting("damping");
+
 Scene loaded_scene(const std::string& model) {
   auto scene = Scene::load(PALPATE_MODELS_DIR "/" + model);
   EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().to_string());
@@ -122,9 +127,9 @@ TEST(LiveSettings, SetBeforeTheFirstTickEqualThoseOfTheStart) {
   other.actuated_axes = {Vec3(0.6, 0.8, 0.0)};
   Rig started(other);
   Rig switched(planar_settings());
-  switched.live.set_a4(false);
-  ASSERT_FALSE(switched.live.set_stiffness(321.0));
-  ASSERT_FALSE(switched.live.set_damping(1.5));
+  ASSERT_FALSE(switched.live.set(kA4, 0.0));
+  ASSERT_FALSE(switched.live.set(kStiffness, 321.0));
+  ASSERT_FALSE(switched.live.set(kDamping, 1.5));
   ASSERT_FALSE(switched.live.set_axes({Vec3(0.6, 0.8, 0.0)}));
   started.run(1500);
   switched.run(1500);
@@ -135,8 +140,8 @@ TEST(LiveSettings, SetBeforeTheFirstTickEqualThoseOfTheStart) {
 TEST(LiveSettings, ApplyInTheNextTickAllAtOnce) {
   Rig rig(planar_settings());
   rig.run(10);
-  rig.live.set_a4(false);
-  rig.live.set_force(ForceMode::kFull);
+  ASSERT_FALSE(rig.live.set(kA4, 0.0));
+  ASSERT_FALSE(rig.live.set(kForce, static_cast<double>(ForceMode::kFull)));
   rig.run(1500);
   int pressed = 0;
   for (std::size_t n = 10; n < rig.records.all.size(); ++n) {
@@ -149,12 +154,90 @@ TEST(LiveSettings, ApplyInTheNextTickAllAtOnce) {
   EXPECT_GT(pressed, 100);
 }
 
+// Keeps the inputs of a session.
+class Inputs final : public TickSink {
+ public:
+  void on_start(const SessionFacts&) noexcept override {}
+  void on_input(const TickInput& input) noexcept override {
+    kinds.push_back(input.kind);
+    for (const LiveChange& change : LiveChanges(input).all()) changes.push_back(change);
+  }
+  void on_tick(const TickRecord&, const TickReading&) noexcept override {}
+  void on_trip(const GovernorTrip&) noexcept override {}
+  void on_late(LateCause, const TickCost&) noexcept override {}
+  std::vector<InputKind> kinds;
+  std::vector<LiveChange> changes;
+};
+
+// Each setting reaches the loop alone, and a recording gets one input for it. What the loop has
+// already is none.
+TEST(LiveSettings, GiveARecordingWhatChangedAndNoMore) {
+  const RunSetup setup = made_setup(planar_settings());
+  LiveSettings live(star(), setup);
+  HapticLoop loop(star().world(), setup.actuation, setup.haptics);
+  Inputs inputs;
+  const auto tick = [&] { live.before_tick(0.0, LoopChanges(loop, &inputs)); };
+  for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
+    SCOPED_TRACE(kLiveSettings[i].name);
+    const HapticSettings before = loop.settings();
+    const double value = kLiveSettings[i].kind == LiveSetting::Kind::kNumber
+                             ? 0.5 * live.value(i) + 0.25
+                             : (live.value(i) == 0.0 ? 1.0 : 0.0);
+    ASSERT_FALSE(live.set(i, value));
+    tick();
+    ASSERT_EQ(inputs.kinds, std::vector{InputKind::kSetting});
+    ASSERT_EQ(inputs.changes.size(), 1u);
+    EXPECT_EQ(inputs.changes[0].setting, i);
+    EXPECT_EQ(inputs.changes[0].value, value);
+    for (std::size_t k = 0; k < kLiveSettings.size(); ++k) {
+      EXPECT_EQ(kLiveSettings[k].value(loop.settings()),
+                k == i ? value : kLiveSettings[k].value(before));
+    }
+    ASSERT_FALSE(live.set(i, value));  // again
+    tick();
+    EXPECT_EQ(inputs.kinds.size(), 1u);
+    EXPECT_FALSE(live.is_pending());
+    inputs.kinds.clear();
+    inputs.changes.clear();
+  }
+  ASSERT_FALSE(live.set_axes({Vec3(0, 1, 0)}));
+  tick();
+  EXPECT_EQ(inputs.kinds, std::vector{InputKind::kActuation});
+}
+
+// A recording may be hostile.
+TEST(LiveChanges, AreThoseThatTheSettingsCanHave) {
+  const auto changes = [](InputKind kind, std::uint32_t handle, std::vector<double> numbers) {
+    return LiveChanges({kind, handle, std::as_bytes(std::span(numbers))}).all().size();
+  };
+  const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
+  for (const LiveSetting& setting : kLiveSettings) {
+    EXPECT_EQ(changes(InputKind::kSetting, setting.number, {1.0}), 1u);
+    for (const double wrong : {nan, infinite, -infinite}) {
+      EXPECT_EQ(changes(InputKind::kSetting, setting.number, {wrong}), 0u) << setting.name;
+    }
+    if (setting.kind == LiveSetting::Kind::kNumber) continue;
+    for (const double wrong : {-1.0, 0.5, 3.0, 1e300}) {
+      EXPECT_EQ(changes(InputKind::kSetting, setting.number, {wrong}), 0u) << setting.name;
+    }
+  }
+  EXPECT_EQ(changes(InputKind::kSetting, 0, {1.0}), 0u);
+  EXPECT_EQ(changes(InputKind::kSetting, 1000, {1.0}), 0u);
+  // Of earlier versions.
+  EXPECT_EQ(changes(InputKind::kA4, 7, {}), 1u);
+  EXPECT_EQ(changes(InputKind::kForce, 2, {}), 1u);
+  EXPECT_EQ(changes(InputKind::kForce, 3, {}), 0u);
+  EXPECT_EQ(changes(InputKind::kCoupling, 0, {500.0, 1.0}), 2u);
+  EXPECT_EQ(changes(InputKind::kCoupling, 0, {500.0, nan}), 0u);
+  EXPECT_EQ(changes(InputKind::kCoupling, 0, {nan, 1.0}), 0u);
+}
+
 // The commanded force lies in the span of the axes, and the governor drops nothing of it.
 TEST(LiveSettings, MotorsFollowTheAxesFromTickToTick) {
   RunSettings soft = planar_settings();
   soft.stiffness_N_per_m = 100.0;  // the force stays below the device's peak
   Rig rig(soft);
-  rig.live.set_a4(false);
+  ASSERT_FALSE(rig.live.set(kA4, 0.0));
   rig.run(450);
   int pressed = 0;
   for (int n = 0; n < 600; ++n) {
@@ -180,10 +263,10 @@ TEST(LiveSettings, RefuseWhatALoopWouldRefuse) {
   Rig rig(planar_settings());
   for (const double wrong :
        {-1.0, -1e-300, 5000.1, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    EXPECT_TRUE(rig.live.set_stiffness(wrong)) << wrong;
-    EXPECT_TRUE(rig.live.set_damping(wrong)) << wrong;
+    EXPECT_TRUE(rig.live.set(kStiffness, wrong)) << wrong;
+    EXPECT_TRUE(rig.live.set(kDamping, wrong)) << wrong;
   }
-  EXPECT_TRUE(rig.live.set_damping(50.1));
+  EXPECT_TRUE(rig.live.set(kDamping, 50.1));
   const double nan = std::nan("");
   for (const std::vector<Vec3>& wrong :
        {std::vector{Vec3(0, 0, 1)}, std::vector{Vec3(0, 0, 0)}, std::vector{Vec3(nan, 0, 0)},
@@ -193,7 +276,7 @@ TEST(LiveSettings, RefuseWhatALoopWouldRefuse) {
     ASSERT_TRUE(error);
     EXPECT_EQ(error->element, "axes");
   }
-  EXPECT_EQ(rig.live.stiffness_N_per_m(), 1000.0);
+  EXPECT_EQ(rig.live.value(kStiffness), 1000.0);
   EXPECT_EQ(rig.live.axes().size(), 1u);
   Rig left(planar_settings());
   rig.run(800);
@@ -322,10 +405,10 @@ TEST(PageSettings, ShowTheValuesOfTheLoop) {
   StatePublisher publisher(rig.loop, nullptr, 0);
   rig.run(1);
   publisher.on_tick(rig.records.all.back());
-  rig.live.set_a4(false);
-  rig.live.set_force(ForceMode::kNone);
-  ASSERT_FALSE(rig.live.set_stiffness(321.0));
-  ASSERT_FALSE(rig.live.set_damping(2.5));
+  ASSERT_FALSE(rig.live.set(kA4, 0.0));
+  ASSERT_FALSE(rig.live.set(kForce, static_cast<double>(ForceMode::kNone)));
+  ASSERT_FALSE(rig.live.set(kStiffness, 321.0));
+  ASSERT_FALSE(rig.live.set(kDamping, 2.5));
   ASSERT_FALSE(rig.live.set_axes({Vec3(0, 1, 0)}));
   EXPECT_TRUE(rig.live.is_pending());
   LoopValues before, after;

@@ -23,6 +23,7 @@
 #include "haptics/proxy/god_object.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/hard_scenes.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/rest_scenes.h"
 #include "tests/helpers/soak.h"

@@ -1,5 +1,5 @@
 // Hostile files: each must be refused with the right error, or read without its harmful parts, with
-// memory in proportion to its size. Files that are merely invalid are tested in gltf_reader_test.
+// memory in proportion to its size. Files that are merely invalid are tested in gltf_test.
 
 #include <algorithm>
 #include <chrono>
@@ -235,6 +235,18 @@ TEST(HostileGltf, ClosedNestingIsLimitedLikeOpenNesting) {
       }
     }
   }
+}
+
+TEST(HostileGltf, ErrorsShowNamesOfUpTo120Bytes) {
+  const auto refused_at = [](std::size_t length, const std::string& shown) {
+    const std::string name = "_" + std::string(length - 1, 'n');
+    expect_invalid(
+        "{" + kAsset + R"(,"meshes":[{"primitives":[{"attributes":{")" + name + R"(":"x"}}]}]})",
+        "/meshes/0/primitives/0/attributes/" + shown);
+  };
+  refused_at(40, "_" + std::string(39, 'n'));
+  refused_at(120, "_" + std::string(119, 'n'));
+  refused_at(121, "_" + std::string(119, 'n') + "...");
 }
 
 TEST(HostileGltf, LongRunsOfSpacesAreLeftOutOnlyBetweenValues) {

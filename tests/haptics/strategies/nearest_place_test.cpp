@@ -1,6 +1,6 @@
 // The nearest surface point of a moving point, against a search of all triangles.
 
-#include "haptics/proxy/nearest_place.h"
+#include "haptics/strategies/nearest_place.h"
 
 #include <algorithm>
 #include <cmath>

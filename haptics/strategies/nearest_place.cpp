@@ -1,4 +1,4 @@
-#include "haptics/proxy/nearest_place.h"
+#include "haptics/strategies/nearest_place.h"
 
 #include <algorithm>
 #include <span>

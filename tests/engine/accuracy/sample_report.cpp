@@ -1,8 +1,6 @@
-// make_sample_report FOLDER: the report, the table and the diagrams of made-up knobs, for viewing
-// and for the test in a browser.
-
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "engine/accuracy/accuracy_csv.h"
 #include "engine/accuracy/accuracy_report.h"
@@ -11,6 +9,7 @@
 #include "engine/report/html.h"
 #include "engine/report/text_file.h"
 #include "tests/engine/accuracy/sample_knobs.h"
+#include "tests/engine/report/sample_reports.h"
 
 namespace palpate {
 namespace {
@@ -20,8 +19,10 @@ bool succeeded(const Result<std::string>& written) {
   return written.ok();
 }
 
-bool write_all(const std::string& folder) {
-  const std::vector<KnobResult> results = test::all_samples();
+}  // namespace
+
+bool test::write_accuracy_sample(const std::string& folder) {
+  const std::vector<KnobResult> results = all_samples();
   AccuracyReport report;
   report.title = "What accuracy costs";
   report.introduction = "Made-up results, to view the report.";
@@ -47,13 +48,4 @@ bool write_all(const std::string& folder) {
   return good;
 }
 
-}  // namespace
 }  // namespace palpate
-
-int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "make_sample_report FOLDER\n");
-    return 2;
-  }
-  return palpate::write_all(argv[1]) ? 0 : 1;
-}
