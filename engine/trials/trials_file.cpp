@@ -153,7 +153,7 @@ Columns columns_of_trials() {
 }
 
 Columns columns_of_measures() {
-  Columns columns = {
+  return {
       measure(kTotalTime, kNotNegative, "total_time_s", "s",
               "from the first contact within the green sphere to the first contact within the red "
               "sphere",
@@ -194,13 +194,21 @@ Columns columns_of_measures() {
       measure(kMissingForce, kAnySign, "mean_missing_force_N", "N",
               "mean of the full force minus the commanded force along the normal, over contact"),
   };
+}
+
+Columns columns_of_faults() {
+  Columns columns;
   for (std::size_t fault = 0; fault < kFaultCount; ++fault) {
     columns.push_back(measure(kFirstFaultMeasure + fault, kNotNegative, kFaultNames[fault], "1",
                               kFaultMeanings[fault]));
   }
-  const Columns behind_faults = {
-      measure(kMissedDeadlines, kNotNegative, "missed_deadlines", "1",
-              "ticks that began after their deadline; 0 in simulated time"),
+  columns.push_back(measure(kMissedDeadlines, kNotNegative, "missed_deadlines", "1",
+                            "ticks that began after their deadline; 0 in simulated time"));
+  return columns;
+}
+
+Columns columns_of_strategy_measures() {
+  return {
       measure(kWallWork, kNotNegative, "wall_work_J", "J",
               "work that the tangential part of the commanded force did in the direction of the "
               "motion, over contact"),
@@ -216,8 +224,6 @@ Columns columns_of_measures() {
       measure(kGovernorShare, kNotNegative, "governor_share", "1",
               "share of the ticks in which the governor changed the force"),
   };
-  columns.insert(columns.end(), behind_faults.begin(), behind_faults.end());
-  return columns;
 }
 
 Columns columns_of_variants() {
@@ -269,7 +275,8 @@ std::string description_of(const Row& row) {
 
 CsvTable<Row> make_table() {
   CsvTable<Row> table;
-  for (const auto& columns : {columns_of_trials(), columns_of_measures(), columns_of_variants()}) {
+  for (const auto& columns : {columns_of_trials(), columns_of_measures(), columns_of_faults(),
+                              columns_of_strategy_measures(), columns_of_variants()}) {
     table.columns.insert(table.columns.end(), columns.begin(), columns.end());
   }
   table.first_line = FirstLine::kByName;
