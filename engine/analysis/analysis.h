@@ -2,7 +2,7 @@
 
 // Analyses the trials of an experiment, by people or by simulated operators, in two ways: as the
 // paper did, and by repeated measures, which is the primary analysis. The trials of each following
-// (operator_parameters.h) and of each variant (trial_variant.h) are analysed separately.
+// (levels.h) and of each variant (trial_variant.h) are analysed separately.
 
 #include <optional>
 #include <string>

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/trials/trials_file.h"
+
 namespace palpate {
 namespace {
 
@@ -38,11 +40,9 @@ std::span<const ComparedMeasure> compared_measures() {
 std::optional<double> compared_value(const ComparedMeasure& measure, const TrialRow& row) {
   if (measure.column == kStatusColumn) return row.status == TrialStatus::kTimeout ? 1.0 : 0.0;
   if (row.status != TrialStatus::kDone) return std::nullopt;
-  const auto& all = trial_measures();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const TrialMeasure& each) {
-    return each.name == measure.column;
-  });
-  const std::optional<double>& value = row.measures[static_cast<std::size_t>(found - all.begin())];
+  const auto& names = measure_names();
+  const auto place = std::find(names.begin(), names.end(), measure.column) - names.begin();
+  const std::optional<double>& value = row.measures[static_cast<std::size_t>(place)];
   if (!value || measure.better == Better::kLower) return value;
   return std::abs(*value);
 }

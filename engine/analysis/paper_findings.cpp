@@ -131,8 +131,7 @@ std::vector<double> ordered_means(const TrialTable& table, const ClaimedFinding&
 bool has_levels(const TrialTable& table, const ClaimedFinding& finding) {
   const bool is_of_haptic =
       std::find(finding.term.begin(), finding.term.end(), kHapticFactor) != finding.term.end();
-  return !is_of_haptic ||
-         table.level_count(kHapticFactor) == static_cast<int>(kHapticLevels.size());
+  return !is_of_haptic || table.level_count(kHapticFactor) == static_cast<int>(kHapticNames.size());
 }
 
 std::optional<Evidence> primary_evidence(const TrialTable& table, const PrimaryAnalysis* analysis,

@@ -110,8 +110,8 @@ std::string PowerDesign::condition_name(std::size_t condition) const {
 }
 
 PowerDesign power_design_of(Outcome outcome) {
-  PowerDesign design{{kHapticLevels.begin(), kHapticLevels.end()},
-                     {kRotationLevels.begin(), kRotationLevels.end()}};
+  PowerDesign design{{kHapticNames.begin(), kHapticNames.end()},
+                     {kRotationNames.begin(), kRotationNames.end()}};
   if (outcome == Outcome::kContactAngle) design.haptic = {"UaH"};
   return design;
 }

@@ -18,8 +18,8 @@ namespace palpate {
 
 // Every combination of a level of Haptic and a level of Rotation; Rotation varies fastest.
 struct PowerDesign {
-  std::vector<std::string> haptic;    // of kHapticLevels, in their order; at least one
-  std::vector<std::string> rotation;  // of kRotationLevels, in their order; at least one
+  std::vector<std::string> haptic;    // of kHapticNames, in their order; at least one
+  std::vector<std::string> rotation;  // of kRotationNames, in their order; at least one
 
   std::size_t conditions() const { return haptic.size() * rotation.size(); }
   // "UaH-R"

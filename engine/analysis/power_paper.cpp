@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr double kPaperTrials = kPaperParticipants * kPaperTrialsOfCondition *
-                                static_cast<double>(kHapticLevels.size() * kRotationLevels.size());
+                                static_cast<double>(kHapticNames.size() * kRotationNames.size());
 
 template <std::size_t count>
 std::vector<double> paper_level_means(Outcome outcome,
@@ -90,8 +90,8 @@ double paper_rounding(double mean) {
 
 std::vector<PaperScatter> paper_trial_scatter(Outcome outcome) {
   std::vector<PaperScatter> found = {
-      trial_scatter(outcome, kHapticFactor, paper_level_means(outcome, kHapticLevels)),
-      trial_scatter(outcome, kRotationFactor, paper_level_means(outcome, kRotationLevels))};
+      trial_scatter(outcome, kHapticFactor, paper_level_means(outcome, kHapticNames)),
+      trial_scatter(outcome, kRotationFactor, paper_level_means(outcome, kRotationNames))};
   std::sort(found.begin(), found.end(),
             [](const PaperScatter& a, const PaperScatter& b) { return a.sd < b.sd; });
   return found;
@@ -99,7 +99,7 @@ std::vector<PaperScatter> paper_trial_scatter(Outcome outcome) {
 
 // F(1, n - 1) is the square of the paired t.
 PaperScatter paper_angle_scatter() {
-  const auto means = paper_level_means(Outcome::kContactAngle, kRotationLevels);
+  const auto means = paper_level_means(Outcome::kContactAngle, kRotationNames);
   const double t = std::sqrt(paper_f(Outcome::kContactAngle, {kRotationFactor})->f);
   const double scale = std::sqrt(static_cast<double>(kPaperParticipants)) / t;
   const double difference = std::abs(means[1] - means[0]);
@@ -109,10 +109,10 @@ PaperScatter paper_angle_scatter() {
 }
 
 std::vector<double> paper_condition_means(Outcome outcome) {
-  const auto rotation = paper_level_means(outcome, kRotationLevels);
+  const auto rotation = paper_level_means(outcome, kRotationNames);
   if (outcome == Outcome::kContactAngle) return rotation;
   std::vector<double> means;
-  for (const double haptic : paper_level_means(outcome, kHapticLevels)) {
+  for (const double haptic : paper_level_means(outcome, kHapticNames)) {
     for (const double mean : rotation) means.push_back(haptic + mean - plain_mean(rotation));
   }
   return means;

@@ -346,7 +346,7 @@ std::optional<Error> keep_design(std::vector<TrialRow>& rows, const PowerDesign&
   std::erase_if(rows, [&](const TrialRow& row) {
     return std::find(design.haptic.begin(), design.haptic.end(), row.haptic) ==
                design.haptic.end() &&
-           std::find(kHapticLevels.begin(), kHapticLevels.end(), row.haptic) != kHapticLevels.end();
+           std::find(kHapticNames.begin(), kHapticNames.end(), row.haptic) != kHapticNames.end();
   });
   if (!rows.empty() || !had_rows) return std::nullopt;
   return pilot_error(path, "column haptic",

@@ -77,7 +77,7 @@ class Figures {
   static std::string paper_by_rotation(Outcome outcome) {
     std::string text(outcome_text(outcome).name);
     const char* separator = " ";
-    for (const std::string_view level : kRotationLevels) {
+    for (const std::string_view level : kRotationNames) {
       const PaperMean* mean = paper_mean(outcome, level);
       text += separator + std::string(level) + " " + as_printed(mean->mean) + " (" +
               as_printed(mean->sd) + ")";

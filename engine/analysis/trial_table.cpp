@@ -7,7 +7,8 @@
 #include <set>
 #include <utility>
 
-#include "engine/trials/operator_parameters.h"
+#include "engine/trials/levels.h"
+#include "engine/trials/trials_file.h"
 #include "geometry/base/printable.h"
 
 namespace palpate {
@@ -140,9 +141,9 @@ std::optional<Error> TrialTable::find_levels() {
     participants.insert(row.participant);
     blocks.insert(row.block);
   }
-  auto haptic_levels = known_levels("haptic", haptic, kHapticLevels);
+  auto haptic_levels = known_levels("haptic", haptic, kHapticNames);
   if (!haptic_levels) return haptic_levels.error();
-  auto rotation_levels = known_levels("rotation", rotation, kRotationLevels);
+  auto rotation_levels = known_levels("rotation", rotation, kRotationNames);
   if (!rotation_levels) return rotation_levels.error();
   participants_.assign(participants.begin(), participants.end());
   levels_[kHapticFactor] = std::move(*haptic_levels);
@@ -178,7 +179,7 @@ std::optional<Error> TrialTable::arrange() {
     for (std::size_t m = 0; m < kMeasureCount; ++m) {
       if (row.status != TrialStatus::kDone || !row.measures[m]) continue;
       if (std::isfinite(*row.measures[m])) continue;
-      return invalid_argument(row_name(row) + ", " + std::string(trial_measures()[m].name),
+      return invalid_argument(row_name(row) + ", " + std::string(measure_names()[m]),
                               "is not finite; expected a number, because the status is done");
     }
     const int at_condition = condition(place_in(levels_[kHapticFactor], row.haptic),

@@ -11,6 +11,7 @@
 
 #include "engine/analysis/factorial_model.h"
 #include "engine/analysis/trial_variant.h"
+#include "engine/trials/levels.h"
 #include "engine/trials/trial_outcome.h"
 #include "engine/trials/trial_row.h"
 #include "geometry/base/result.h"
@@ -21,10 +22,6 @@ namespace palpate {
 enum ExperimentFactor : std::size_t { kHapticFactor, kRotationFactor, kObjectFactor, kTrialFactor };
 inline constexpr std::array<std::string_view, 4> kExperimentFactorNames = {"Haptic", "Rotation",
                                                                            "Object", "Trial"};
-
-// The known levels of Haptic and Rotation, in the order of tables and figures.
-inline constexpr std::array<std::string_view, 3> kHapticLevels = {"NoH", "UaH", "H"};
-inline constexpr std::array<std::string_view, 2> kRotationLevels = {"NoR", "R"};
 
 // The name of an effect, as the paper writes it: "Rotation x Haptic". term: ExperimentFactors,
 // ascending.

@@ -10,6 +10,7 @@
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/target_track.h"
 #include "engine/trials/contour_place.h"
+#include "engine/trials/levels.h"
 #include "engine/trials/operator_parameters.h"
 #include "engine/trials/seen_picture.h"
 #include "engine/trials/trial.h"

@@ -12,6 +12,7 @@
 
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
+#include "engine/trials/levels.h"
 #include "engine/trials/operator_file.h"
 #include "engine/trials/strict_json.h"
 #include "engine/trials/trial.h"
@@ -19,12 +20,6 @@
 #include "haptics/strategies/strategy.h"
 
 namespace palpate {
-
-// The levels of the factors, in the order of the paper's tables.
-inline constexpr std::array<std::string_view, 3> kHapticNames = {"NoH", "UaH", "H"};
-inline constexpr std::array<ForceMode, 3> kHapticForces = {ForceMode::kNone, ForceMode::kActuated,
-                                                           ForceMode::kFull};
-inline constexpr std::array<std::string_view, 2> kRotationNames = {"NoR", "R"};  // without, with A4
 
 // Limits of a plan. 2^18 rows of trials.csv take about 100 MB.
 inline constexpr std::uint64_t kMostTrials = std::uint64_t{1} << 18;
@@ -46,7 +41,6 @@ enum class ConditionOrder : std::uint8_t {
   kWilliams  // the conditions in the order of a Williams square; their objects in random order
 };
 inline constexpr std::array<std::string_view, 2> kConditionOrderNames = {"random", "williams"};
-inline constexpr std::array<std::string_view, 2> kAlignmentNames = {"nearest", "forward"};
 inline constexpr NumberRange kStartRange_deg{-360.0, 360.0};
 inline constexpr NumberRange kScaleRange{0.0, 1e6, true};
 
@@ -61,8 +55,8 @@ struct PlanObject {
 
 // The conditions of a trial, apart from its Following.
 struct PlanCondition {
-  std::size_t haptic = 0;    // index into kHapticNames
-  std::size_t rotation = 0;  // index into kRotationNames
+  std::size_t haptic = 0;    // index into kHapticLevels
+  std::size_t rotation = 0;  // index into kRotationLevels
   std::size_t object = 0;    // index into ExperimentPlan::objects
   // Index into ExperimentPlan::strategies, which then stands in place of haptic and rotation.
   std::optional<std::size_t> strategy = {};
@@ -90,11 +84,11 @@ struct PlanVariant {
 //                    the number or the name of a scene of the file; paths are relative to the
 //                    folder of the plan; a factor of `scale` below also multiplies close_gaps_m
 //   operator         a name of kShippedOperators, or the path of an operator file
-//   followings       a list of one or more of the first kTurningFollowings of kFollowingNames.
+//   followings       a list of one or more of the first kTurningFollowings of kFollowingLevels.
 //                    A person who sees the scene still has the other three instead; a plan
 //                    without the view `turning` needs no followings
-//   [align]          a name of kAlignmentNames; `forward` is for one motor
-//   [view]           a list of one or both of kViewNames; [turning]
+//   [align]          a name of kAlignmentLevels; `forward` is for one motor
+//   [view]           a list of one or both of kViewLevels; [turning]
 //   [start_orientation_deg]  a list of angles by which the scene is turned about A3 before the
 //                    trial, deg; [0]
 //   [scale]          a list of factors of the objects' size; the spheres keep their size; [1]
@@ -111,8 +105,8 @@ struct ExperimentPlan {
   int practice_blocks = 0;
   RunSettings device;
   TrialSettings trial;
-  std::vector<std::size_t> haptic;    // indices into kHapticNames
-  std::vector<std::size_t> rotation;  // indices into kRotationNames
+  std::vector<std::size_t> haptic;    // indices into kHapticLevels
+  std::vector<std::size_t> rotation;  // indices into kRotationLevels
   std::vector<Strategy> strategies;   // empty: haptic and rotation are not
   std::vector<PlanObject> objects;    // sorted by name
   OperatorFile person;

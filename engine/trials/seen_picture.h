@@ -2,6 +2,7 @@
 
 // What the display shows of a scene that turns.
 
+#include "engine/trials/levels.h"
 #include "engine/trials/operator_parameters.h"
 #include "geometry/base/types.h"
 #include "haptics/a4/scene_pose.h"

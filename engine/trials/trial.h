@@ -13,6 +13,7 @@
 #include "engine/session/run_setup.h"
 #include "engine/simulation/hand_path.h"
 #include "engine/simulation/simulated_device.h"
+#include "engine/trials/levels.h"
 #include "engine/trials/operator_parameters.h"
 #include "engine/trials/trial_row.h"
 #include "geometry/base/result.h"

@@ -1,349 +1,259 @@
 #include "engine/trials/trials_file.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
-#include <map>
+#include <iterator>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
 
 #include "engine/trials/as_printed.h"
-#include "engine/trials/csv_reader.h"
-#include "engine/trials/operator_parameters.h"
+#include "engine/trials/csv_cells.h"
 #include "engine/trials/plan.h"
 #include "engine/trials/strict_json.h"
-#include "geometry/base/printable.h"
-#include "geometry/base/quoted.h"
 #include "haptics/strategies/strategy.h"
 #include "io/gltf/file.h"
 
 namespace palpate {
 namespace {
 
-// A column in front of the measures.
-struct LeadingColumn {
-  std::string_view name;
-  std::string_view meaning;
-  std::string_view paper;
-  bool is_required;
-};
+using Row = TrialRow;
+using Columns = std::vector<Column<Row>>;
+using Field = CsvCells<Row>;
+using enum Presence;
 
-struct Leading {
-  enum Index : std::size_t {
-    kFollowing,
-    kParticipant,
-    kBlock,
-    kTrial,
-    kHaptic,
-    kRotation,
-    kObject,
-    kAttempt,
-    kStatus,
-    kCount
+// The order of reading. What distinguishes trials is read first, the strategy before what it stands
+// for. Which measures a row needs follows from its status.
+enum Turn : int { kFirst = -2, kStrategyTurn = -1, kOther = 0, kMeasures = 1 };
+
+constexpr WholeRange kFromZero{0, 1'000'000};
+constexpr WholeRange kFromOne{1, 1'000'000};
+constexpr FieldRule kEmptyForPeople{{}, Blank::kEmpty, {}};
+constexpr const char* kOtherMeaning = "rename the column if it has another meaning";
+
+// Columns of what the paper did not vary. An empty field or NA stands for what it did.
+constexpr FieldRule kAsInPaper{{}, Blank::kEmptyOrNA, kOtherMeaning};
+
+Cell<Row> printed_number(double Row::*member, const NumberRange& range) {
+  return {[member](const Row& row, CsvLines& lines) { lines.add(as_printed(row.*member)); },
+          Field::number(member, range, kAsInPaper).read};
+}
+
+// Haptic or rotation: empty with a strategy.
+Cell<Row> factor(std::string Row::*member, std::span<const std::string_view> names) {
+  const Cell<Row> level = Field::level(member, names);
+  return {level.write, [level](const std::string& field, Row& row) -> std::optional<FieldError> {
+            if (row.strategy.empty()) return level.read(field, row);
+            if (field.empty()) return std::nullopt;
+            return FieldError{"an empty field, because strategy is " + row.strategy};
+          }};
+}
+
+Cell<Row> strategy_name() {
+  return {
+      [](const Row& row, CsvLines& lines) { lines.add(row.strategy); },
+      [](const std::string& field, Row& row) -> std::optional<FieldError> {
+        if (field.empty()) return std::nullopt;
+        const auto known = parse_strategy(field);
+        if (!known || name_of(*known) != field) {
+          return FieldError{"an empty field, or the name of a strategy, such as a4", kOtherMeaning};
+        }
+        row.strategy = field;
+        return std::nullopt;
+      }};
+}
+
+constexpr NumberRange kNotNegative{0.0};
+// Works, whose sign is their direction; a difference; a share that may go back.
+constexpr NumberRange kAnySign{};
+
+std::optional<FieldError> read_measure(const std::string& field, const NumberRange& range,
+                                       bool is_done, std::optional<double>& measure) {
+  if (is_blank(field, Blank::kEmptyOrNA)) return std::nullopt;
+  const std::optional<double> value = number_in(field);
+  if (!value) return FieldError{"a number, such as 0.25, or an empty field"};
+  if (*value < range.least) return FieldError{text_of(range) + ", or an empty field"};
+  if (std::isfinite(*value)) {
+    measure = value;
+  } else if (is_done) {
+    return FieldError{"a finite number, because the status is done",
+                      "leave the field empty if the measure is undefined"};
+  }
+  return std::nullopt;
+}
+
+Column<Row> measure(std::size_t index, const NumberRange& range, std::string_view name,
+                    std::string_view unit, std::string_view meaning, std::string_view paper = "") {
+  const auto member = [index](auto& row) -> auto& {
+    return row.measures[index];
   };
-};
-
-constexpr std::array<LeadingColumn, Leading::kCount> kLeadingColumns = {{
-    {"following", "how a simulated operator follows the turning scene; empty for a person", "",
-     false},
-    {"participant", "the person, or the number of the simulated operator", "participant", true},
-    {"block", "the block of trials; 0 is practice", "trial", true},
-    {"trial", "the place of the trial within its block, 1 for the first", "", false},
-    {"haptic", "commanded force: NoH none, UaH along the actuated axes, H all of it",
-     "haptic condition", true},
-    {"rotation", "R with A4, NoR without", "rotation condition", true},
-    {"object", "the object whose contour is followed", "object", true},
-    {"attempt", "1, or higher for a trial that was repeated", "", false},
-    {"status", "done, timeout (the time limit was reached) or fault (a fault ended the trial)", "",
-     true},
-}};
-
-constexpr LeadingColumn kStrategyColumn = {
-    "strategy", "the technique for missing motors, in place of haptic and rotation", "", false};
-
-// The columns at the end.
-struct Trailing {
-  enum Index : std::size_t { kView, kAlign, kStart, kScale, kCount };
-};
-
-constexpr std::array<LeadingColumn, Trailing::kCount> kTrailingColumns = {{
-    {"view", "what the display shows of a scene that turns: turning or still", "", false},
-    {"align", "the end of the motor's line that the normal turns to: nearest or forward", "",
-     false},
-    {"start_orientation_deg", "by which the scene is turned about A3 before the trial", "", false},
-    {"scale", "factor of the object's size", "", false},
-}};
-constexpr std::array<std::string_view, Trailing::kCount> kTrailingUnits = {"", "", "deg", "1"};
-
-// The measures in a file.
-std::span<const TrialMeasure> measures_in(TrialColumns columns) {
-  return std::span(trial_measures())
-      .first(columns == TrialColumns::kFactors ? kPlainMeasureCount : kMeasureCount);
+  const auto read = [member, range](const std::string& field, Row& row) {
+    return read_measure(field, range, row.status == TrialStatus::kDone, member(row));
+  };
+  return {name,
+          unit,
+          std::string(meaning),
+          paper,
+          index < kPlainMeasureCount ? kOptional : kExtra,
+          {Field::number(member, {}).write, read},
+          kMeasures};
 }
 
-std::string joined_trial_columns(TrialColumns columns) {
-  std::string text;
-  for (const LeadingColumn& column : kLeadingColumns) text.append(column.name).append(",");
-  for (const TrialMeasure& measure : measures_in(columns)) text.append(measure.name).append(",");
-  if (columns == TrialColumns::kStrategies) text.append(kStrategyColumn.name).append(",");
-  for (const LeadingColumn& column : kTrailingColumns) text.append(column.name).append(",");
-  text.pop_back();
-  return text;
-}
+constexpr std::array<std::string_view, kFaultCount> kFaultMeanings = {
+    "ticks whose position was not finite",
+    "ticks whose time step was not valid",
+    "ticks in which the solver reached its limit of steps or work",
+    "ticks whose position was farther from the last one than a hand can move",
+    "ticks in which the proxy stopped a moving body",
+    "ticks in which a new pose of a body was ignored",
+    "ticks whose computed force was not finite",
+    "ticks whose position was too far from the scene",
+    "ticks that were refused because of their settings",
+    "ticks whose sample the device marked as invalid",
+    "ticks in which new motor axes were ignored",
+    "ticks in which magnets and media reached their limit of work"};
 
-constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
-
-// The place of each known column in the lines of the file.
-struct Columns {
-  std::array<std::size_t, Leading::kCount> leading;
-  std::array<std::size_t, kMeasureCount> measures;
-  std::size_t strategy = kAbsent;
-  std::array<std::size_t, Trailing::kCount> trailing;
-  std::size_t count = 0;
-};
-
-Error trials_error(std::string element, std::string problem, std::string hint = {}) {
-  return {ErrorCode::kInvalidContent, "", std::move(element), std::move(problem), std::move(hint)};
-}
-
-std::string place_of(std::size_t line, std::string_view column) {
-  return "line " + std::to_string(line) + ", column " + std::string(column);
-}
-
-Result<std::size_t> find_column(const std::vector<std::string>& header, std::string_view name) {
-  const auto first = std::find(header.begin(), header.end(), name);
-  if (first == header.end()) return kAbsent;
-  if (std::find(first + 1, header.end(), name) != header.end()) {
-    return trials_error(place_of(1, name), "is present more than once; expected once",
-                        "remove or rename one of the columns");
+// "done, timeout (the time limit was reached) or fault (a fault ended the trial)"
+std::string status_meaning() {
+  std::vector<std::string> words;
+  for (const auto& level : kTrialStatusLevels) {
+    const std::string meaning(level.meaning);
+    words.push_back(std::string(level.name) + (meaning.empty() ? "" : " (" + meaning + ")"));
   }
-  return static_cast<std::size_t>(first - header.begin());
+  return joined_words({words.begin(), words.end()});
 }
 
-Result<Columns> find_columns(const std::vector<std::string>& header) {
+template <std::size_t count>
+std::string one_of(const std::array<std::string_view, count>& names) {
+  return joined_words({names.begin(), names.end()});
+}
+
+Columns columns_of_trials() {
+  return {
+      {"following", "", "how a simulated operator follows the turning scene; empty for a person",
+       "", kOptional, Field::level(&Row::following, kFollowingNames, kEmptyForPeople), kFirst},
+      {"participant", "", "the person, or the number of the simulated operator", "participant",
+       kRequired, Field::name(&Row::participant), kFirst},
+      {"block", "", "the block of trials; 0 is practice", "trial", kRequired,
+       Field::whole(&Row::block, kFromZero), kFirst},
+      {"trial", "", "the place of the trial within its block, 1 for the first", "", kOptional,
+       Field::whole(&Row::trial, kFromOne), kFirst},
+      {"haptic", "", "commanded force: " + meanings_of(kHapticLevels, " ", ", "),
+       "haptic condition", kRequired, factor(&Row::haptic, kHapticNames)},
+      {"rotation", "", rotation_meaning(), "rotation condition", kRequired,
+       factor(&Row::rotation, kRotationNames)},
+      {"object", "", "the object whose contour is followed", "object", kRequired,
+       Field::name(&Row::object)},
+      {"attempt", "", "1, or higher for a trial that was repeated", "", kOptional,
+       Field::whole(&Row::attempt, kFromOne)},
+      {"status", "", status_meaning(), "", kRequired,
+       Field::level(&Row::status, kTrialStatusNames)},
+  };
+}
+
+Columns columns_of_measures() {
+  return {
+      measure(kTotalTime, kNotNegative, "total_time_s", "s",
+              "from the first contact within the green sphere to the first contact within the red "
+              "sphere",
+              "total time"),
+      measure(kContactTime, kNotNegative, "contact_s", "s", "part of the total time in contact"),
+      measure(kLosses, kNotNegative, "losses_of_contact", "1",
+              "transitions from contact to no contact, however short",
+              "number of losses of contact"),
+      measure(kLosses100ms, kNotNegative, "losses_100ms", "1",
+              "intervals without contact of 0.1 s or more"),
+      measure(kLossesPerSecond, kNotNegative, "losses_per_s", "1/s",
+              "losses_of_contact divided by total_time_s"),
+      measure(kLosses100msPerSecond, kNotNegative, "losses_100ms_per_s", "1/s",
+              "losses_100ms divided by total_time_s"),
+      measure(kPenetration, kNotNegative, "mean_penetration_m", "m",
+              "mean distance from the device point to the proxy, over contact"),
+      measure(kPenetrationDm, kNotNegative, "mean_penetration_dm", "dm",
+              "mean_penetration_m in the paper's unit", "mean penetration"),
+      measure(kContactAngle, kNotNegative, "mean_contact_angle_deg", "deg",
+              "mean angle from the contact normal to the actuated axes, over contact",
+              "mean contact angle"),
+      measure(kShareWithin30deg, kNotNegative, "share_within_30deg", "1",
+              "share of the contact with a contact angle of at most 30 deg"),
+      measure(kTrackedShare, kAnySign, "tracked_share", "1",
+              "share of the way from green to red along which the contact moved without a loss"),
+      measure(kRecoveries, kNotNegative, "recoveries", "1",
+              "how often the simulated operator was lost and went back to the contour"),
+      measure(kDevicePath, kNotNegative, "device_path_m", "m",
+              "length of the path of the device point, device frame"),
+      measure(kProxyPath, kNotNegative, "proxy_path_m", "m",
+              "length of the path of the proxy, scene frame"),
+      measure(kPortWork, kAnySign, "port_work_J", "J",
+              "work of the commanded force on the hand; positive: the device gave energy"),
+      measure(kWorkLost, kAnySign, "work_lost_J", "J",
+              "work of the full force on the hand minus port_work_J"),
+      measure(kGhostForce, kNotNegative, "mean_ghost_force_N", "N",
+              "mean part of the commanded force that is tangential to the surface, over contact"),
+      measure(kMissingForce, kAnySign, "mean_missing_force_N", "N",
+              "mean of the full force minus the commanded force along the normal, over contact"),
+  };
+}
+
+Columns columns_of_faults() {
   Columns columns;
-  columns.count = header.size();
-  for (std::size_t i = 0; i < Leading::kCount; ++i) {
-    const auto place = find_column(header, kLeadingColumns[i].name);
-    if (!place) return place.error();
-    if (*place == kAbsent && kLeadingColumns[i].is_required) {
-      const bool has_semicolons = header.size() == 1 && header[0].find(';') != std::string::npos;
-      return trials_error(place_of(1, kLeadingColumns[i].name), "is missing; expected this column",
-                          has_semicolons ? "separate the columns by commas, not by semicolons"
-                                         : "the first line must have the names of the columns");
-    }
-    columns.leading[i] = *place;
+  for (std::size_t fault = 0; fault < kFaultCount; ++fault) {
+    columns.push_back(measure(kFirstFaultMeasure + fault, kNotNegative, kFaultNames[fault], "1",
+                              kFaultMeanings[fault]));
   }
-  for (std::size_t i = 0; i < kMeasureCount; ++i) {
-    const auto place = find_column(header, trial_measures()[i].name);
-    if (!place) return place.error();
-    columns.measures[i] = *place;
-  }
-  const auto strategy = find_column(header, kStrategyColumn.name);
-  if (!strategy) return strategy.error();
-  columns.strategy = *strategy;
-  for (std::size_t i = 0; i < Trailing::kCount; ++i) {
-    const auto place = find_column(header, kTrailingColumns[i].name);
-    if (!place) return place.error();
-    columns.trailing[i] = *place;
-  }
+  columns.push_back(measure(kMissedDeadlines, kNotNegative, "missed_deadlines", "1",
+                            "ticks that began after their deadline; 0 in simulated time"));
   return columns;
 }
 
-// Works, whose sign is their direction; the missing force, a difference; and the share of the way,
-// as the place may go back.
-bool may_be_negative(std::size_t measure) {
-  return measure == kPortWork || measure == kWorkLost || measure == kMissingForce ||
-         measure == kTrackedShare || measure == kLargestContactWork;
+Columns columns_of_strategy_measures() {
+  return {
+      measure(kWallWork, kNotNegative, "wall_work_J", "J",
+              "work that the tangential part of the commanded force did in the direction of the "
+              "motion, over contact"),
+      measure(kLargestContactWork, kAnySign, "largest_contact_work_J", "J",
+              "largest work of the commanded force on the hand in one contact; positive: the "
+              "device gave energy"),
+      measure(kEmptyTurns, kNotNegative, "empty_turns", "1",
+              "turns of the scene in free motion that no contact followed within 0.1 s"),
+      measure(kMeanDrift, kNotNegative, "mean_drift_m", "m",
+              "mean distance of the scene from its place at the start, device frame; empty if the "
+              "scene turned"),
+      measure(kWorstDrift, kNotNegative, "worst_drift_m", "m", "largest such distance"),
+      measure(kGovernorShare, kNotNegative, "governor_share", "1",
+              "share of the ticks in which the governor changed the force"),
+  };
 }
 
-// The fields of one line, by column.
-class Line {
- public:
-  Line(const std::vector<std::string>& fields, const Columns& columns, std::size_t number)
-      : fields_(fields), columns_(columns), number_(number) {}
-
-  Result<TrialRow> row() const;
-  std::size_t number() const { return number_; }
-
- private:
-  const std::string* find(std::size_t place) const {
-    return place == kAbsent ? nullptr : &fields_[place];
-  }
-  Error refused(std::string_view column, const std::string& found, const std::string& expected,
-                std::string hint = {}) const {
-    return trials_error(place_of(number_, column),
-                        "is " + in_quotes(found) + "; expected " + expected, std::move(hint));
-  }
-  template <std::size_t count>
-  std::optional<Error> read_level(Leading::Index index,
-                                  const std::array<std::string_view, count>& names,
-                                  std::string& level, bool may_be_empty = false) const;
-  std::optional<Error> read_name(Leading::Index index, std::string& name) const;
-  std::optional<Error> read_condition(TrialRow& row) const;
-  std::optional<Error> read_whole(Leading::Index index, int least, int& value) const;
-  std::optional<Error> read_measure(std::size_t i, TrialRow& row) const;
-  template <std::size_t count>
-  std::optional<Error> read_setting(Trailing::Index index,
-                                    const std::array<std::string_view, count>& names,
-                                    std::string& level) const;
-  std::optional<Error> read_setting(Trailing::Index index, const NumberRange& range,
-                                    double& level) const;
-  std::optional<Error> read_variant(TrialRow& row) const;
-
-  const std::vector<std::string>& fields_;
-  const Columns& columns_;
-  std::size_t number_;
-};
-
-template <std::size_t count>
-std::optional<Error> Line::read_level(Leading::Index index,
-                                      const std::array<std::string_view, count>& names,
-                                      std::string& level, bool may_be_empty) const {
-  const std::string* const field = find(columns_.leading[index]);
-  if (!field) return std::nullopt;
-  const bool is_known = std::find(names.begin(), names.end(), *field) != names.end();
-  if (!is_known && !(may_be_empty && field->empty())) {
-    return refused(kLeadingColumns[index].name, *field, joined_words({names.begin(), names.end()}));
-  }
-  level = *field;
-  return std::nullopt;
+Columns columns_of_variants() {
+  return {
+      {"strategy", "", "the technique for missing motors, in place of haptic and rotation", "",
+       kExtra, strategy_name(), kStrategyTurn},
+      {"view", "", "what the display shows of a scene that turns: " + one_of(kViewNames), "",
+       kOptional, Field::level(&Row::view, kViewNames, kAsInPaper)},
+      {"align", "",
+       "the end of the motor's line that the normal turns to: " + one_of(kAlignmentNames), "",
+       kOptional, Field::level(&Row::align, kAlignmentNames, kAsInPaper)},
+      {"start_orientation_deg", "deg", "by which the scene is turned about A3 before the trial", "",
+       kOptional, printed_number(&Row::start_orientation_deg, kStartRange_deg)},
+      {"scale", "1", "factor of the object's size", "", kOptional,
+       printed_number(&Row::scale, kScaleRange)},
+  };
 }
-
-std::optional<Error> Line::read_name(Leading::Index index, std::string& name) const {
-  name = *find(columns_.leading[index]);
-  // "Ann" and "Ann " would be two persons.
-  const bool has_blanks = name.starts_with(' ') || name.ends_with(' ');
-  if (!name.empty() && name.size() <= kMostNameBytes && !has_blanks && printable(name) == name) {
-    return std::nullopt;
-  }
-  return refused(kLeadingColumns[index].name, name,
-                 "a name of 1 to " + std::to_string(kMostNameBytes) +
-                     " bytes in UTF-8, without blanks around it and control characters");
-}
-
-std::optional<Error> Line::read_whole(Leading::Index index, int least, int& value) const {
-  const std::string* const field = find(columns_.leading[index]);
-  if (!field) return std::nullopt;
-  constexpr int kMost = 1'000'000;
-  const char* const end = field->data() + field->size();
-  const auto [stop, failed] = std::from_chars(field->data(), end, value);
-  if (failed == std::errc() && stop == end && value >= least && value <= kMost) return std::nullopt;
-  return refused(kLeadingColumns[index].name, *field,
-                 "a whole number from " + std::to_string(least) + " to " + std::to_string(kMost));
-}
-
-std::optional<Error> Line::read_measure(std::size_t i, TrialRow& row) const {
-  const std::string* const field = find(columns_.measures[i]);
-  if (!field || field->empty() || *field == "NA") return std::nullopt;
-  const std::string_view name = trial_measures()[i].name;
-  double value = 0.0;
-  const char* const end = field->data() + field->size();
-  const auto [stop, failed] = std::from_chars(field->data(), end, value);
-  if (failed != std::errc() || stop != end) {
-    return refused(name, *field, "a number, such as 0.25, or an empty field");
-  }
-  if (value < 0.0 && !may_be_negative(i)) {
-    return refused(name, *field, "a number of at least 0, or an empty field");
-  }
-  if (std::isfinite(value)) {
-    row.measures[i] = value;
-  } else if (row.status == TrialStatus::kDone) {
-    return refused(name, *field, "a finite number, because the status is done",
-                   "leave the field empty if the measure is undefined");
-  }
-  return std::nullopt;
-}
-
-constexpr const char* kOtherMeaning = "rename the column if it has another meaning";
-
-template <std::size_t count>
-std::optional<Error> Line::read_setting(Trailing::Index index,
-                                        const std::array<std::string_view, count>& names,
-                                        std::string& level) const {
-  const std::string* const field = find(columns_.trailing[index]);
-  if (!field || field->empty() || *field == "NA") return std::nullopt;
-  if (std::find(names.begin(), names.end(), *field) == names.end()) {
-    return refused(kTrailingColumns[index].name, *field, joined_words({names.begin(), names.end()}),
-                   kOtherMeaning);
-  }
-  level = *field;
-  return std::nullopt;
-}
-
-std::optional<Error> Line::read_setting(Trailing::Index index, const NumberRange& range,
-                                        double& level) const {
-  const std::string* const field = find(columns_.trailing[index]);
-  if (!field || field->empty() || *field == "NA") return std::nullopt;
-  const char* const end = field->data() + field->size();
-  const auto [stop, failed] = std::from_chars(field->data(), end, level);
-  if (failed == std::errc() && stop == end && range.contains(level)) return std::nullopt;
-  return refused(kTrailingColumns[index].name, *field, text_of(range), kOtherMeaning);
-}
-
-std::optional<Error> Line::read_variant(TrialRow& row) const {
-  auto error = read_setting(Trailing::kView, kViewNames, row.view);
-  if (!error) error = read_setting(Trailing::kAlign, kAlignmentNames, row.align);
-  if (!error) error = read_setting(Trailing::kStart, kStartRange_deg, row.start_orientation_deg);
-  if (!error) error = read_setting(Trailing::kScale, kScaleRange, row.scale);
-  if (error || row.following.empty()) return error;
+// The view of a simulated person is the one of the following.
+std::optional<Error> check_view(const Row& row, std::size_t line) {
+  if (row.following.empty()) return std::nullopt;
   const auto following = std::find(kFollowingNames.begin(), kFollowingNames.end(), row.following);
-  const auto view = view_of(static_cast<Following>(following - kFollowingNames.begin()));
-  const std::string_view expected = kViewNames[static_cast<std::size_t>(view)];
-  if (row.view == expected) return error;
-  return refused(kTrailingColumns[Trailing::kView].name, row.view,
-                 std::string(expected) + ", because the following is " + row.following);
-}
-
-// A strategy, or the levels of haptic and rotation.
-std::optional<Error> Line::read_condition(TrialRow& row) const {
-  const std::string* const strategy = find(columns_.strategy);
-  if (!strategy || strategy->empty()) {
-    auto error = read_level(Leading::kHaptic, kHapticNames, row.haptic);
-    if (!error) error = read_level(Leading::kRotation, kRotationNames, row.rotation);
-    return error;
-  }
-  const auto known = parse_strategy(*strategy);
-  if (!known || name_of(*known) != *strategy) {
-    return refused(kStrategyColumn.name, *strategy,
-                   "an empty field, or the name of a strategy, such as a4", kOtherMeaning);
-  }
-  for (const Leading::Index factor : {Leading::kHaptic, Leading::kRotation}) {
-    if (const std::string& level = *find(columns_.leading[factor]); !level.empty()) {
-      return refused(kLeadingColumns[factor].name, level,
-                     "an empty field, because strategy is " + *strategy);
-    }
-  }
-  row.strategy = *strategy;
-  return std::nullopt;
-}
-
-Result<TrialRow> Line::row() const {
-  TrialRow row;
-  std::string status;
-  std::optional<Error> error =
-      read_level(Leading::kFollowing, kFollowingNames, row.following, true);
-  if (!error) error = read_name(Leading::kParticipant, row.participant);
-  if (!error) error = read_whole(Leading::kBlock, 0, row.block);
-  if (!error) error = read_whole(Leading::kTrial, 1, row.trial);
-  if (!error) error = read_condition(row);
-  if (!error) error = read_name(Leading::kObject, row.object);
-  if (!error) error = read_whole(Leading::kAttempt, 1, row.attempt);
-  if (!error) error = read_level(Leading::kStatus, kTrialStatusNames, status);
-  if (!error) error = read_variant(row);
-  if (error) return *error;
-  const auto place = std::find(kTrialStatusNames.begin(), kTrialStatusNames.end(), status);
-  row.status = static_cast<TrialStatus>(place - kTrialStatusNames.begin());
-  for (std::size_t i = 0; i < kMeasureCount; ++i) {
-    if ((error = read_measure(i, row))) return *error;
-  }
-  return row;
+  const View view = view_of(kFollowingLevels[following - kFollowingNames.begin()].value);
+  const std::string expected(kViewNames[static_cast<std::size_t>(view)]);
+  if (row.view == expected) return std::nullopt;
+  return field_error(line, "view", row.view,
+                     {expected + ", because the following is " + row.following});
 }
 
 // What identifies a trial.
-std::string key_of(const TrialRow& row) {
+std::string key_of(const Row& row) {
   std::string key;
   for (const std::string& part :
        {row.following, row.participant, std::to_string(row.block), row.haptic, row.rotation,
@@ -354,116 +264,71 @@ std::string key_of(const TrialRow& row) {
   return key;
 }
 
-Error doubled(const TrialRow& row, std::size_t line, std::size_t first_line) {
-  return trials_error(
-      "line " + std::to_string(line),
-      "has the trial of line " + std::to_string(first_line) +
-          " again: " + (row.following.empty() ? "" : row.following + ", ") + "participant " +
-          row.participant + ", block " + std::to_string(row.block) + ", " +
-          (row.strategy.empty() ? row.haptic + ", " + row.rotation : row.strategy) + ", " +
-          row.object + ", attempt " + std::to_string(row.attempt) + ", " + row.view + ", " +
-          row.align + ", " + as_printed(row.start_orientation_deg) + " deg, scale " +
-          as_printed(row.scale) + "; expected each trial once",
-      "remove one of the lines, or number the attempts");
+std::string description_of(const Row& row) {
+  return (row.following.empty() ? "" : row.following + ", ") + "participant " + row.participant +
+         ", block " + std::to_string(row.block) + ", " +
+         (row.strategy.empty() ? row.haptic + ", " + row.rotation : row.strategy) + ", " +
+         row.object + ", attempt " + std::to_string(row.attempt) + ", " + row.view + ", " +
+         row.align + ", " + as_printed(row.start_orientation_deg) + " deg, scale " +
+         as_printed(row.scale);
 }
 
-Result<std::vector<TrialRow>> read_rows(CsvReader& reader, const Columns& columns) {
-  std::vector<TrialRow> rows;
-  std::map<std::string, std::size_t> line_of_trial;
-  std::vector<std::string> fields;
-  while (true) {
-    const auto is_read = reader.next(fields);
-    if (!is_read) return is_read.error();
-    if (!*is_read) return rows;
-    if (fields.size() == 1 && fields.front().empty()) continue;  // a blank line
-    const std::string element = "line " + std::to_string(reader.line());
-    if (fields.size() != columns.count) {
-      return trials_error(element, "has " + std::to_string(fields.size()) + " fields; expected " +
-                                       std::to_string(columns.count) + ", as in the first line");
-    }
-    if (rows.size() == kMostTrialRows) {
-      return Error{
-          ErrorCode::kLimitExceeded, "", element,
-          "is beyond the limit; expected at most " + std::to_string(kMostTrialRows) + " trials",
-          "divide the file"};
-    }
-    auto row = Line(fields, columns, reader.line()).row();
-    if (!row) return row.error();
-    const auto [trial, is_new] = line_of_trial.try_emplace(key_of(*row), reader.line());
-    if (!is_new) return doubled(*row, reader.line(), trial->second);
-    rows.push_back(std::move(*row));
+CsvTable<Row> make_table() {
+  CsvTable<Row> table;
+  for (const auto& columns : {columns_of_trials(), columns_of_measures(), columns_of_faults(),
+                              columns_of_strategy_measures(), columns_of_variants()}) {
+    table.columns.insert(table.columns.end(), columns.begin(), columns.end());
   }
-}
-
-Result<std::vector<TrialRow>> parse_text(std::string_view text) {
-  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
-    return trials_error("byte " + std::to_string(zero), "is zero; expected text",
-                        "save the table as comma-separated text in UTF-8");
-  }
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  CsvReader reader(text);
-  std::vector<std::string> header;
-  const auto has_header = reader.next(header);
-  if (!has_header) return has_header.error();
-  if (!*has_header) return trials_error("", "is empty; expected a line with the names of columns");
-  const auto columns = find_columns(header);
-  if (!columns) return columns.error();
-  auto rows = read_rows(reader, *columns);
-  if (rows && rows->empty()) {
-    return trials_error("", "has no trial; expected a line for each trial below the first line");
-  }
-  return rows;
+  table.first_line = FirstLine::kByName;
+  table.other_count = [](std::size_t found, std::size_t expected) {
+    return "has " + std::to_string(found) + " fields; expected " + std::to_string(expected) +
+           ", as in the first line";
+  };
+  table.rule = check_view;
+  table.rule_turn = kOther;
+  table.noun = "trial";
+  table.most_rows = kMostTrialRows;
+  table.key = key_of;
+  table.description = description_of;
+  table.repeated_hint = "remove one of the lines, or number the attempts";
+  return table;
 }
 
 }  // namespace
 
+const CsvTable<TrialRow>& trials_table() {
+  static const CsvTable<TrialRow> table = make_table();
+  return table;
+}
+
+const std::array<std::string_view, kMeasureCount>& measure_names() {
+  static const auto names = [] {
+    std::array<std::string_view, kMeasureCount> all;
+    std::size_t next = 0;
+    for (const Column<Row>& column : trials_table().columns) {
+      if (column.turn == kMeasures) all[next++] = column.name;
+    }
+    return all;
+  }();
+  return names;
+}
+
 const std::string& trials_columns(TrialColumns columns) {
-  static const std::array<std::string, 2> texts = {joined_trial_columns(TrialColumns::kFactors),
-                                                   joined_trial_columns(TrialColumns::kStrategies)};
-  return texts[static_cast<std::size_t>(columns)];
+  static const std::string factors = names_in(trials_table(), false);
+  static const std::string strategies = names_in(trials_table(), true);
+  return columns == TrialColumns::kStrategies ? strategies : factors;
 }
 
 void add_row(CsvLines& lines, const TrialRow& row) {
-  lines.add(row.following).add(row.participant).add(row.block).add(row.trial).add(row.haptic);
-  lines.add(row.rotation).add(row.object).add(row.attempt);
-  lines.add(kTrialStatusNames[static_cast<std::size_t>(row.status)]);
-  const bool has_strategy = !row.strategy.empty();
-  for (std::size_t i = 0; i < (has_strategy ? kMeasureCount : kPlainMeasureCount); ++i) {
-    if (row.measures[i]) {
-      lines.add(*row.measures[i]);
-    } else {
-      lines.skip(1);
-    }
-  }
-  if (has_strategy) lines.add(row.strategy);
-  lines.add(row.view).add(row.align);
-  lines.add(as_printed(row.start_orientation_deg)).add(as_printed(row.scale));
-  lines.end_line();
+  write_row(trials_table(), row, lines, !row.strategy.empty());
 }
 
 std::string columns_csv(TrialColumns columns) {
-  CsvLines lines("name,unit,meaning,paper");
-  const auto add = [&](const LeadingColumn& column) {
-    lines.add(column.name).add("").add(column.meaning).add(column.paper).end_line();
-  };
-  for (const LeadingColumn& column : kLeadingColumns) add(column);
-  for (const TrialMeasure& measure : measures_in(columns)) {
-    lines.add(measure.name).add(measure.unit).add(measure.meaning).add(measure.paper).end_line();
-  }
-  if (columns == TrialColumns::kStrategies) add(kStrategyColumn);
-  for (std::size_t i = 0; i < Trailing::kCount; ++i) {
-    const LeadingColumn& column = kTrailingColumns[i];
-    lines.add(column.name).add(kTrailingUnits[i]).add(column.meaning).add(column.paper).end_line();
-  }
-  return lines.text();
+  return columns_text(trials_table(), columns == TrialColumns::kStrategies);
 }
 
 Result<std::vector<TrialRow>> parse_trials(std::string_view text, const std::string& path) {
-  auto rows = parse_text(text);
-  if (rows) return rows;
-  Error error = rows.error();
-  error.path = path;
-  return error;
+  return read_table(trials_table(), text, path);
 }
 
 Result<std::vector<TrialRow>> read_trials(const std::string& path) {

@@ -2,6 +2,7 @@
 
 // trials.csv and columns.csv: what `palpate experiment run` writes and `analyse` reads.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "engine/report/csv.h"
+#include "engine/trials/csv_table.h"
 #include "engine/trials/trial_row.h"
 #include "geometry/base/result.h"
 
@@ -20,6 +22,12 @@ inline constexpr std::size_t kMostTrialRows = std::size_t{1} << 18;
 
 // What distinguishes the trials of a file: haptic and rotation, or the strategy.
 enum class TrialColumns : std::uint8_t { kFactors, kStrategies };
+
+// The columns: this list is all that a new column needs, apart from its member of TrialRow.
+const CsvTable<TrialRow>& trials_table();
+
+// The columns of the measures, by MeasureIndex.
+const std::array<std::string_view, kMeasureCount>& measure_names();
 
 // The first line: following, participant, block, trial, haptic, rotation, object, attempt, status,
 // then the measures, then view, align, start_orientation_deg and scale. With strategies, haptic and
@@ -51,7 +59,7 @@ std::string columns_csv(TrialColumns columns = TrialColumns::kFactors);
 // number, a measure that is not finite in a trial with the status done, a row whose following,
 // participant, block, haptic, rotation, strategy, object, attempt, view, align,
 // start_orientation_deg and scale occurred before, no row at all, and a file beyond the limits. The
-// levels are those of plan.h, kFollowingNames and kTrialStatusNames; a following may be empty.
+// levels are those of levels.h; a following may be empty.
 Result<std::vector<TrialRow>> read_trials(const std::string& path);
 
 // The same for a text. path: for messages.

@@ -9,12 +9,18 @@
 #include <vector>
 
 #include "engine/simulation/simulated_device.h"
+#include "engine/trials/levels.h"
 #include "engine/trials/operator_parameters.h"
 
 namespace palpate {
 
 enum class CanonicalMotion : std::uint8_t { kPressed, kStroked };
-inline constexpr std::array<std::string_view, 2> kCanonicalMotionNames = {"pressed", "stroked"};
+inline constexpr ConditionLevels<CanonicalMotion, 2> kCanonicalMotionLevels = {
+    {{"pressed", "the target goes to the press depth in 1 s and is held for 2 s",
+      CanonicalMotion::kPressed},
+     {"stroked", "then it moves 100 mm along the wall as seen", CanonicalMotion::kStroked}}};
+inline constexpr auto kCanonicalMotionNames = names_of(kCanonicalMotionLevels);
+static_assert(are_in_order(kCanonicalMotionLevels));
 
 // The target goes into the wall in kPress_s, is held for kHold_s, and in a stroke then moves by
 // kStroke_m along the wall.

@@ -10,6 +10,7 @@
 
 #include "engine/report/csv.h"
 #include "engine/trials/canonical/canonical_plan.h"
+#include "engine/trials/csv_table.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -21,6 +22,9 @@ struct CanonicalRow {
   std::optional<double> along_over_into;
   std::optional<double> share_within_30deg;
 };
+
+// The columns.
+const CsvTable<CanonicalRow>& canonical_table();
 
 // The first line: participant, angle_deg, motion, rotation, along_over_into, share_within_30deg.
 const std::string& canonical_columns();

@@ -33,8 +33,8 @@ TrialConditions conditions_of(const ExperimentPlan& plan, int participant,
     conditions.noise_seed = noise_seed(plan.seed, participant, trial.block, "", "", object);
     return conditions;
   }
-  conditions.force = kHapticForces[c.haptic];
-  conditions.a4 = kRotationNames[c.rotation] == "R";
+  conditions.force = kHapticLevels[c.haptic].value;
+  conditions.a4 = kRotationLevels[c.rotation].value;
   conditions.noise_seed =
       noise_seed(plan.seed, participant, trial.block, std::string(kHapticNames[c.haptic]),
                  std::string(kRotationNames[c.rotation]), object);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/report/csv.h"
+#include "engine/trials/csv_table.h"
 #include "engine/trials/sweep/sweep_points.h"
 #include "engine/trials/trial_outcome.h"
 #include "engine/trials/trial_row.h"
@@ -35,6 +36,9 @@ struct SweepRow {
   double limit_s = 0.0;                                            // the time of a timeout
   std::array<std::optional<double>, kSweepOutcomes.size()> means;  // in the order of kSweepOutcomes
 };
+
+// The columns.
+const CsvTable<SweepRow>& sweep_table();
 
 // The first line: point, block, parameter (that varies; empty in the other blocks), the parameters
 // (empty: each participant has its own value), participant, haptic, rotation, trials, done,

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/analysis/experiment_report.h"
-#include "engine/trials/operator_parameters.h"
+#include "engine/trials/levels.h"
 #include "tests/engine/analysis/sample_trials.h"
 #include "tests/engine/report/sample_reports.h"
 

@@ -11,6 +11,7 @@
 
 #include "engine/trials/canonical/canonical_rows.h"
 #include "engine/trials/shipped_files.h"
+#include "tests/engine/trials/added_column.h"
 #include "tests/helpers/gltf_builder.h"
 
 namespace palpate {
@@ -286,6 +287,10 @@ TEST(CanonicalRows, AreReadAsTheyWereWritten) {
   }
 }
 
+TEST(CanonicalRows, HaveAnAddedColumnEverywhere) {
+  test::expect_added_column_everywhere(canonical_table(), row_of(1, 15.0, {}));
+}
+
 TEST(CanonicalRows, NameTheLineAndTheColumnThatIsWrong) {
   const std::string head = canonical_columns() + "\n1,0,pressed,R,0,1\n";
   for (const auto& [text, element] :
@@ -296,7 +301,9 @@ TEST(CanonicalRows, NameTheLineAndTheColumnThatIsWrong) {
         {head + "1,0,pushed,R,0,1\n", "line 3, column motion"},
         {head + "1,0,pressed,r,0,1\n", "line 3, column rotation"},
         {head + "1,0,pressed,R,nan,1\n", "line 3, column along_over_into"},
-        {head + "1,0,pressed,R,0,-1\n", "line 3, column share_within_30deg"}}) {
+        {head + "1,0,pressed,R,0,-1\n", "line 3, column share_within_30deg"},
+        {head + "1,0,pressed,R,0,\"1\n", "line 3"},
+        {head + "1,0,pressed,R,0,1\r1\n", "line 3"}}) {
     const auto rows = parse_canonical_rows(text, "canonical.csv");
     ASSERT_FALSE(rows.ok()) << text;
     EXPECT_EQ(rows.error().element, element) << rows.error().to_string();

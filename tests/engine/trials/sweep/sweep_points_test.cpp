@@ -14,6 +14,8 @@
 
 #include "engine/trials/operator_file.h"
 #include "engine/trials/sweep/latin_hypercube.h"
+#include "engine/trials/sweep/sweep_rows.h"
+#include "tests/engine/trials/added_column.h"
 #include "tests/engine/trials/sweep/small_sweep.h"
 
 namespace palpate {
@@ -24,6 +26,15 @@ using test::small_sweep_json;
 using test::sweep_of;
 
 constexpr int kAllPoints = 1 + 18 + 6;  // of small_sweep_json(): base, levels, hypercube
+
+TEST(SweepRows, HaveAnAddedColumnEverywhere) {
+  SweepRow row;
+  row.point = 3;
+  row.varied = kScale;
+  row.values[kScale] = 0.5;
+  row.means[1] = 21.0;
+  test::expect_added_column_everywhere(sweep_table(), row);
+}
 
 TEST(LatinHypercube, HasOnePointInEachIntervalOfEachDimension) {
   for (const std::size_t count : {1u, 2u, 7u, 100u, 1000u}) {
