@@ -155,7 +155,7 @@ class InputRules {
       case InputKind::kForce:
       case InputKind::kCoupling:
       case InputKind::kSetting:
-        return problem_of_settings(LiveChanges(input));
+        return problem_of_settings(input);
       case InputKind::kMotors:
         return input.bytes.size() == input.handle * sizeof(MotorDescription) ? nullptr
                                                                              : "a number of motors";
@@ -165,12 +165,19 @@ class InputRules {
   }
 
  private:
-  const char* problem_of_settings(const LiveChanges& changes) {
-    if (changes.all().empty()) return "an unknown setting or value";
+  const char* problem_of_settings(const TickInput& input) {
+    const char* const problem = input.kind == InputKind::kForce      ? "an unknown force"
+                                : input.kind == InputKind::kCoupling ? "a stiffness or damping"
+                                                                     : "a setting";
+    const LiveChanges changes(input);
+    if (changes.all().empty()) return problem;
     for (const LiveChange& change : changes.all()) {
-      kLiveSettings[change.setting].put(settings_, change.value);
+      const LiveSetting& setting = kLiveSettings[change.setting];
+      // A loop with a strategy ignores a change of what belongs to the strategy.
+      if (setting.is_of_strategy && settings_.strategy) continue;
+      setting.put(settings_, change.value);
     }
-    return check_settings(world_, settings_) ? "a value of a setting" : nullptr;
+    return check_settings(world_, settings_) ? problem : nullptr;
   }
 
   const char* problem_of_parameters(const TickInput& input) const {

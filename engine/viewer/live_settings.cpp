@@ -41,6 +41,7 @@ std::optional<Error> LiveSettings::check(std::size_t place, double value) const 
 
 std::optional<Error> LiveSettings::set(std::size_t place, double value) {
   if (auto error = check(place, value)) return error;
+  if (value == wanted_.settings[place]) return std::nullopt;
   HapticSettings settings = checked_;
   kLiveSettings[place].put(settings, value);
   if (auto error = check_settings(scene_->world(), settings)) return error;
@@ -58,6 +59,7 @@ std::optional<Error> LiveSettings::set_axes(const std::vector<Vec3>& axes_device
     error.element = "axes";
     return error;
   }
+  if (axes_device == axes_) return std::nullopt;
   axes_ = axes_device;
   ++wanted_.axes_number;
   wanted_.axis_count = axes_device.size();

@@ -20,8 +20,8 @@
 namespace palpate {
 
 // Passes the settings of kLiveSettings and, for a simulated device, the actuated axes to the haptic
-// thread. A set value applies from the next tick on, all of it in the same tick. A value that the
-// loop has already changes nothing, so that a recording has an input for each change and no more.
+// thread. A set value applies from the next tick on, all of it in the same tick. To set what is set
+// already does nothing, and a recording has an input of the settings that changed and of no other.
 //
 // Thread-safety: one thread calls set(), set_axes() and the functions that return values. The
 // haptic thread calls before_tick() in every tick; a device whose motors follow the axes calls

@@ -241,5 +241,26 @@ TEST(Replay, AnswersWhatIf) {
   EXPECT_EQ(outcome->recorded.ticks, recorded.given.rows.size());
 }
 
+// A strategy has its own A4 and force: recorded switches of them are none that it refuses.
+TEST(Replay, AnswersWhatIfWithAStrategyThatOwnsWhatWasSwitched) {
+  const Recorded recorded(10'000);
+  const auto reader = RecordingReader::open(recorded.path);
+  ASSERT_TRUE(reader);
+  for (const std::string name : {"a4-anticipate", "cd"}) {
+    RecordedSession session = test::session_in(*reader);
+    session.setup.haptics.strategy.reset();
+    set_strategy(*parse_strategy(name), session.setup.haptics);
+    ReplayChange change;
+    change.ignores[live_setting("a4")] = true;
+    change.ignores[live_setting("force")] = true;
+    const auto outcome =
+        replay_recording(*reader, session, recorded.scenario.scene(), {.change = change});
+    ASSERT_TRUE(outcome) << name << ": " << outcome.error().to_string();
+    EXPECT_EQ(outcome->ignored_inputs, recorded.given.settings[live_setting("a4")] +
+                                           recorded.given.settings[live_setting("force")]);
+    EXPECT_EQ(outcome->computed.ticks, recorded.given.rows.size());
+  }
+}
+
 }  // namespace
 }  // namespace palpate
