@@ -45,11 +45,6 @@ void LiveSetting::set(HapticLoop& loop, double x) const noexcept {
   apply(loop, settings);
 }
 
-bool LiveChanges::is_kind(InputKind kind) noexcept {
-  return kind == InputKind::kSetting || kind == InputKind::kA4 || kind == InputKind::kForce ||
-         kind == InputKind::kCoupling;
-}
-
 LiveChanges::LiveChanges(const TickInput& input) noexcept {
   if (input.kind == InputKind::kA4) add(live_setting("a4"), input.handle != 0 ? 1.0 : 0.0);
   if (input.kind == InputKind::kForce) add(live_setting("force"), input.handle);

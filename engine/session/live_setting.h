@@ -111,12 +111,10 @@ struct LiveChange {
 // The changes that an input makes: one, or two of a recording before InputKind::kSetting.
 class LiveChanges {
  public:
-  // Empty: the input is no change of a setting, or of a setting that this version does not have, or
-  // the setting cannot have the value.
+  // input: with the bytes that kInputKinds states for its kind. Empty: it is no change of a
+  // setting, or of a setting that this version does not have, or the setting cannot have the value.
   explicit LiveChanges(const TickInput& input) noexcept;
   std::span<const LiveChange> all() const noexcept { return std::span(changes_).first(count_); }
-  // Whether the kind of input is one that changes settings.
-  static bool is_kind(InputKind kind) noexcept;
 
  private:
   void add(std::size_t setting, double value) noexcept;

@@ -80,15 +80,22 @@ void LiveSettings::publish() {
 void LiveSettings::take() noexcept {
   is_taken_ = true;
   if (newest_.load(std::memory_order_acquire) == taken_.number) return;
+  const bool had_all = has_all_motors();
+  const std::uint64_t last_axes = taken_.axes_number;
   if (!mailbox_.read(taken_)) return;
   is_new_ = true;
+  if (taken_.axes_number == last_axes && has_all_motors() == had_all) return;
+  has_new_motors_ = true;
   find_motors();
 }
 
 // Under ForceMode::kFull, every sensed axis has a motor, as in a hand session of `run`.
+bool LiveSettings::has_all_motors() const noexcept {
+  return taken_.settings[live_setting("force")] == static_cast<double>(ForceMode::kFull);
+}
+
 void LiveSettings::find_motors() noexcept {
-  const double force = taken_.settings[live_setting("force")];
-  const bool has_all = force == static_cast<double>(ForceMode::kFull);
+  const bool has_all = has_all_motors();
   motors_ = motor_template_;
   motor_count_ = has_all ? static_cast<std::size_t>(sensors_) : 0;
   for (std::size_t i = 0; i < motor_count_; ++i) {
@@ -105,6 +112,7 @@ void LiveSettings::before_tick(double /*time_s*/, LoopChanges loop) noexcept {
   is_taken_ = false;
   if (!is_new_) return;
   is_new_ = false;
+  has_new_motors_ = false;
   apply(loop);
   applied_.store(taken_.number, std::memory_order_release);
 }

@@ -49,10 +49,11 @@ class LiveSettings final : public BeforeTick {
   // On the haptic thread: fetches what was set since the last tick. before_tick() calls it in a
   // tick in which the device has not.
   void take() noexcept;
-  // The motors of the simulated device with these axes, in a tick in which they have changed;
+  // The motors of the simulated device with these axes, in a tick in which axes or force changed;
   // otherwise empty, so that HapticSession keeps the last ones without work.
   std::span<const MotorDescription> motors() const noexcept {
-    return is_new_ ? std::span(motors_).first(motor_count_) : std::span<const MotorDescription>();
+    return has_new_motors_ ? std::span(motors_).first(motor_count_)
+                           : std::span<const MotorDescription>();
   }
   void before_tick(double time_s, LoopChanges loop) noexcept override;
 
@@ -68,6 +69,7 @@ class LiveSettings final : public BeforeTick {
 
   void publish();
   std::optional<Error> check(std::size_t setting, double value) const;
+  bool has_all_motors() const noexcept;
   void find_motors() noexcept;
   void apply(LoopChanges loop) noexcept;
 
@@ -85,6 +87,7 @@ class LiveSettings final : public BeforeTick {
   Values taken_;
   bool is_taken_ = false;  // in this tick
   bool is_new_ = false;    // taken_ has changed
+  bool has_new_motors_ = false;
   std::uint64_t applied_axes_number_ = 0;
   std::array<MotorDescription, 3> motor_template_;
   std::array<MotorDescription, 3> motors_;

@@ -24,7 +24,7 @@ using test::TickKeeper;
 
 // kSetting replaces these kinds.
 bool is_of_earlier_versions(InputKind kind) {
-  return LiveChanges::is_kind(kind) && kind != InputKind::kSetting;
+  return kind == InputKind::kA4 || kind == InputKind::kForce || kind == InputKind::kCoupling;
 }
 
 // One minute, or ten, at 1 kHz.

@@ -259,6 +259,31 @@ TEST(LiveSettings, MotorsFollowTheAxesFromTickToTick) {
   EXPECT_EQ(vec3(rig.records.all.back().force_device_N), Vec3(Vec3::Zero()));
 }
 
+// The device gets its motors again when they change, and not with every setting.
+TEST(LiveSettings, GiveMotorsOnlyWhenAxesOrForceChange) {
+  const RunSetup setup = made_setup(planar_settings());
+  LiveSettings live(star(), setup);
+  HapticLoop loop(star().world(), setup.actuation, setup.haptics);
+  const auto motors = [&] {
+    live.take();
+    const std::size_t count = live.motors().size();
+    live.before_tick(0.0, LoopChanges(loop));
+    return count;
+  };
+  ASSERT_FALSE(live.set(kStiffness, 321.0));
+  ASSERT_FALSE(live.set(kA4, 0.0));
+  EXPECT_EQ(motors(), 0u);
+  ASSERT_FALSE(live.set(kForce, static_cast<double>(ForceMode::kFull)));
+  EXPECT_EQ(motors(), 2u);
+  EXPECT_EQ(motors(), 0u);
+  ASSERT_FALSE(live.set(kForce, static_cast<double>(ForceMode::kNone)));
+  EXPECT_EQ(motors(), 1u);
+  ASSERT_FALSE(live.set_axes({Vec3(0, 1, 0)}));
+  EXPECT_EQ(motors(), 1u);
+  ASSERT_FALSE(live.set(kDamping, 1.5));
+  EXPECT_EQ(motors(), 0u);
+}
+
 TEST(LiveSettings, RefuseWhatALoopWouldRefuse) {
   Rig rig(planar_settings());
   for (const double wrong :
