@@ -144,14 +144,15 @@ void run_governor(benchmark::State& state, const GovernorCase& governor_case) {
   GovernedTicks ticks(device_of(governor_case.motors, governor_case.moves_motors),
                       governor_case.turns);
   for (int n = 0; n < 10; ++n) ticks.tick();  // while the force grows
-  std::uint32_t faults = 0;
+  std::uint32_t faults = kFaultNone, rules = 0;
   std::int64_t now_ns = monotonic_ns();
   for (auto _ : state) {
     const TickRecord& record = ticks.tick();
     faults |= record.faults;
+    rules |= record.rules;
     if (governor_case.beats) beat(*guard.get(), ++now_ns);
   }
-  if (faults != kFaultNone) state.SkipWithError("a rule of the governor has acted");
+  if (faults != kFaultNone || rules != 0) state.SkipWithError("a rule of the governor has acted");
 }
 
 void run_heartbeat(benchmark::State& state) {

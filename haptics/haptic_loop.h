@@ -19,6 +19,7 @@
 #include "haptics/proxy/god_object.h"
 #include "haptics/record_vectors.h"
 #include "haptics/strategies/haptic_settings.h"
+#include "haptics/touch.h"
 #include "palpate/record.h"
 
 namespace palpate {
@@ -231,6 +232,7 @@ class HapticLoop {
   Sample last_good_sample_;
   ProxyState proxy_state_;
   TickRecord record_;
+  TouchState touch_;
   bool has_proxy_ = false;
   bool has_bad_settings_;
   double world_extent_m_;  // argument of farthest_sample_m()

@@ -54,7 +54,7 @@ double factor_to(double limit_N, const Vec3& force_N) {
 
 // Sets a rule's bit if its factor reduces the force.
 double marked(double factor, GovernorRule rule, TickRecord& record) {
-  if (factor < 1.0) record.faults |= rule;
+  if (factor < 1.0) record.rules |= rule;
   return factor;
 }
 
@@ -123,6 +123,7 @@ void SafetyGovernor::set_period(std::int64_t period_ns) noexcept {
 }
 
 void SafetyGovernor::govern(TickRecord& record) noexcept {
+  record.rules = 0;
   Vec3 wanted_N = vec3(record.force_device_N);
   const bool has_bad_force = !wanted_N.allFinite() || (record.faults & kFaultNonFiniteForce) != 0;
   if (has_bad_force) {
@@ -130,7 +131,7 @@ void SafetyGovernor::govern(TickRecord& record) noexcept {
     record.faults |= kFaultNonFiniteForce;
   }
   pushed_N_ = limits_motors_ ? motors_.part(wanted_N) : wanted_N;
-  if (pushed_N_ != wanted_N) record.faults |= kRuleMotors;
+  if (pushed_N_ != wanted_N) record.rules |= kRuleMotors;
   add_work(record);
   if (moves_motors_) {
     // Reading is much faster than an exchange, and there is rarely something to take.
@@ -163,20 +164,20 @@ void SafetyGovernor::watch_interruptions(TickRecord& record) noexcept {
   is_interrupted_ = false;
   if (has_bad_sample(record)) {
     is_interrupted_ = true;
-    record.faults |= kRuleBadSample;
+    record.rules |= kRuleBadSample;
   }
   if (sample_age_ns_ > longest_age_ns_) {
     is_interrupted_ = true;
-    record.faults |= kRuleStale;
+    record.rules |= kRuleStale;
     const std::int64_t longest_ns = std::max(nanoseconds(Limits::kStaleTrip_s), longest_age_ns_);
     if (sample_age_ns_ > longest_ns) {
       trip(TripReason::kStale, seconds(sample_age_ns_), seconds(longest_ns), record);
     }
   }
-  if (is_out_of_order_) record.faults |= kRuleOrder;
+  if (is_out_of_order_) record.rules |= kRuleOrder;
   if (late_ns_ > longest_late_ns_) {
     is_interrupted_ = true;
-    record.faults |= kRuleLate;
+    record.rules |= kRuleLate;
     const bool is_very_late =
         late_ns_ > std::max(nanoseconds(Limits::kLateRestart_s), longest_late_ns_);
     if (is_very_late && !is_tripped()) begin_start();
@@ -205,7 +206,7 @@ void SafetyGovernor::watch_speed(TickRecord& record) noexcept {
   const auto speed = speed_.speed_m_per_s();
   if (!speed || *speed <= Limits::kTopSpeed_m_per_s) return;
   if (last_force_N_.norm() <= Limits::kMovingShare * clamp_N_) return;
-  record.faults |= kRuleSpeed;
+  record.rules |= kRuleSpeed;
   trip(TripReason::kSpeed, *speed, Limits::kTopSpeed_m_per_s, record);
 }
 

@@ -84,7 +84,7 @@ struct TickTime {
   std::int64_t now_ns = 0;   // start of the tick, monotonic clock; 0: simulated time
 };
 
-// Limits the force of every tick. Each rule that acts sets its bit in the record's faults. Rules
+// Limits the force of every tick. Each rule that acts sets its bit in TickRecord::rules. Rules
 // marked M apply only to a device that moves motors.
 //
 // - bad sample (M): a tick without a usable sample is followed by *ease*; the third one within
@@ -131,7 +131,7 @@ class SafetyGovernor {
   void set_motors(std::span<const MotorDescription> motors) noexcept {
     motors_ = MotorLimits(motors);
   }
-  // Limits the record's commanded force. Ends a tick.
+  // Limits the record's commanded force and sets the record's rules. Ends a tick.
   void govern(TickRecord& record) noexcept;
 
   // Replaces begin_tick() and govern() in the ticks of a paused session, whose force is zero: the

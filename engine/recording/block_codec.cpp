@@ -28,9 +28,9 @@ void gather(std::span<const RecordedTick> rows, std::byte* to) {
   }
 }
 
-void scatter(const std::byte* from, std::span<RecordedTick> rows) {
+void scatter(const std::byte* from, int version, std::span<RecordedTick> rows) {
   auto* to = reinterpret_cast<std::byte*>(rows.data());
-  for (const RecordColumn& column : recorded_columns()) {
+  for (const RecordColumn& column : recorded_columns(version)) {
     for (std::size_t b = 0; b < column.bytes; ++b) {
       std::byte* byte = to + column.offset + b;
       for (std::size_t i = 0; i < rows.size(); ++i) byte[i * sizeof(RecordedTick)] = *from++;
@@ -172,14 +172,14 @@ std::size_t BlockDecoder::announced_input_bytes(std::span<const std::byte> input
 
 Result<BlockContent> BlockDecoder::decode(std::int64_t first_tick, std::int64_t ticks,
                                           std::span<const std::byte> columns,
-                                          std::span<const std::byte> inputs) {
+                                          std::span<const std::byte> inputs, int version) {
   if (first_tick < 0 || ticks < 1 || ticks > static_cast<std::int64_t>(kMostBlockTicks)) {
     return bad_frame("block", "has " + std::to_string(ticks) + " ticks from tick " +
                                   std::to_string(first_tick) + " on; expected 1 to " +
                                   std::to_string(kMostBlockTicks) + " from 0 or later on");
   }
   const auto count = static_cast<std::size_t>(ticks);
-  const std::size_t bytes = count * sizeof(RecordedTick);
+  const std::size_t bytes = count * recorded_row_bytes(version);
   std::vector<std::byte> plain;
   if (auto error = state_->decompress("columns", columns, bytes, bytes, plain)) return *error;
   BlockContent content;
@@ -188,7 +188,8 @@ Result<BlockContent> BlockDecoder::decode(std::int64_t first_tick, std::int64_t 
     return *error;
   }
   content.rows.resize(count);
-  scatter(plain.data(), content.rows);
+  scatter(plain.data(), version, content.rows);
+  for (RecordedTick& row : content.rows) complete_row(version, row);
   for (std::size_t i = 0; i < count; ++i) {
     if (content.rows[i].record.tick != static_cast<std::uint64_t>(first_tick) + i) {
       return bad_frame("columns", "holds tick " + std::to_string(content.rows[i].record.tick) +

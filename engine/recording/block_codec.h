@@ -65,10 +65,10 @@ class BlockDecoder {
   // The content size that an inputs frame announces, at most kMostBlockInputBytes; 0 if it has
   // none.
   static std::size_t announced_input_bytes(std::span<const std::byte> inputs);
-  // ticks: as the file states it. Error::element is "columns" or "inputs".
+  // ticks: as the file states it. version: of the format. Error::element is "columns" or "inputs".
   Result<BlockContent> decode(std::int64_t first_tick, std::int64_t ticks,
-                              std::span<const std::byte> columns,
-                              std::span<const std::byte> inputs);
+                              std::span<const std::byte> columns, std::span<const std::byte> inputs,
+                              int version = kRecordingVersion);
 
  private:
   struct State;

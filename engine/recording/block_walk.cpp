@@ -96,7 +96,8 @@ WalkStep BlockWalk::next() {
     return broken(first_tick, {ErrorCode::kLimitExceeded, "", "",
                                "holds, with those before it, more than the file can", ""});
   }
-  auto content = decoder_.decode(first_tick, frames->ticks, frames->columns, frames->inputs);
+  auto content = decoder_.decode(first_tick, frames->ticks, frames->columns, frames->inputs,
+                                 reader_.version());
   if (!content) return broken(first_tick, content.error());
   if (first_tick < next_tick_) {
     return broken(first_tick,

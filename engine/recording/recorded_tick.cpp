@@ -1,5 +1,6 @@
 #include "engine/recording/recorded_tick.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -61,16 +62,27 @@ std::string number_name(const RecordField& field, std::size_t k) {
   return name + '_' + axes[k];
 }
 
+// The members that version 2 added to the record.
+constexpr std::array<std::string_view, 5> kMembersOfVersion2 = {"rules", "body", "material",
+                                                                "contacts", "touch"};
+constexpr int kFirstRuleBitOfVersion1 = 16;  // in the faults
+constexpr std::string_view kRules = "rules";
+
+int first_version(std::string_view member) {
+  const auto end = kMembersOfVersion2.end();
+  return std::find(kMembersOfVersion2.begin(), end, member) == end ? 1 : 2;
+}
+
 void add_columns(const RecordField& field, std::size_t begin, ColumnSource source,
                  std::vector<RecordColumn>& columns) {
   const std::size_t bytes = field.bytes / field.count;
   for (std::size_t k = 0; k < field.count; ++k) {
     columns.push_back({number_name(field, k), field.unit, field.frame, field.type,
-                       begin + field.offset + k * bytes, bytes, source});
+                       begin + field.offset + k * bytes, bytes, source, first_version(field.name)});
   }
 }
 
-std::vector<RecordColumn> all_columns() {
+std::vector<RecordColumn> all_columns(int version) {
   std::vector<RecordColumn> columns;
   for (const RecordField& field : kRecordFields) {
     add_columns(field, offsetof(RecordedTick, record),
@@ -79,7 +91,19 @@ std::vector<RecordColumn> all_columns() {
   for (const RecordField& field : kReadingFields) {
     add_columns(field, offsetof(RecordedTick, reading), source_of_reading(field.name), columns);
   }
+  std::erase_if(columns, [&](const RecordColumn& c) { return c.first_version > version; });
   return columns;
+}
+
+// A value of each version of the format, made once.
+template <typename Value, typename Make>
+const Value& of_version(int version, const Make& make) {
+  static const std::array<Value, kRecordingVersion> values = [&] {
+    std::array<Value, kRecordingVersion> made;
+    for (int v = 1; v <= kRecordingVersion; ++v) made[static_cast<std::size_t>(v - 1)] = make(v);
+    return made;
+  }();
+  return values[static_cast<std::size_t>(version - 1)];
 }
 
 const char* numpy_type(FieldType type) {
@@ -94,6 +118,8 @@ const char* numpy_type(FieldType type) {
       return "<u4";
     case FieldType::kUint16:
       return "<u2";
+    case FieldType::kInt32:
+      return "<i4";
   }
   return "";
 }
@@ -108,6 +134,18 @@ const char* source_name(ColumnSource source) {
       return "read";
   }
   return "";
+}
+
+std::string columns_text(int version) {
+  nlohmann::ordered_json table = nlohmann::ordered_json::array();
+  for (const RecordColumn& column : recorded_columns(version)) {
+    table.push_back({{"name", column.name},
+                     {"type", numpy_type(column.type)},
+                     {"unit", column.unit},
+                     {"frame", column.frame},
+                     {"source", source_name(column.source)}});
+  }
+  return table.dump();
 }
 
 template <typename Number>
@@ -130,24 +168,39 @@ std::string double_text(double number) {
 
 }  // namespace
 
-std::span<const RecordColumn> recorded_columns() {
-  static const std::vector<RecordColumn> columns = all_columns();
-  return columns;
+std::span<const RecordColumn> recorded_columns(int version) {
+  return of_version<std::vector<RecordColumn>>(version, all_columns);
 }
 
-const std::string& recorded_columns_json() {
-  static const std::string text = [] {
-    nlohmann::ordered_json table = nlohmann::ordered_json::array();
-    for (const RecordColumn& column : recorded_columns()) {
-      table.push_back({{"name", column.name},
-                       {"type", numpy_type(column.type)},
-                       {"unit", column.unit},
-                       {"frame", column.frame},
-                       {"source", source_name(column.source)}});
-    }
-    return table.dump();
-  }();
-  return text;
+std::size_t recorded_row_bytes(int version) {
+  std::size_t bytes = 0;
+  for (const RecordColumn& column : recorded_columns(version)) bytes += column.bytes;
+  return bytes;
+}
+
+void complete_row(int version, RecordedTick& row) {
+  if (version >= 2) return;
+  TickRecord& record = row.record;
+  record.rules = record.faults >> kFirstRuleBitOfVersion1;
+  record.faults &= (1u << kFirstRuleBitOfVersion1) - 1u;
+  record.body = record.material = kTouchUnknown;
+}
+
+bool is_recorded(const RecordColumn& column, int version) {
+  return column.first_version <= version || column.name == kRules;
+}
+
+const std::string& recorded_columns_json(int version) {
+  return of_version<std::string>(version, columns_text);
+}
+
+int version_of_columns(const RecordingMeta& meta) {
+  const auto found = meta.find("columns");
+  const auto* const text = found == meta.end() ? nullptr : std::get_if<std::string>(&found->second);
+  int version = kRecordingVersion;
+  while (text && version > 1 && *text != recorded_columns_json(version)) --version;
+  const bool is_known = text && *text == recorded_columns_json(version);
+  return is_known ? version : kRecordingVersion;
 }
 
 std::string column_text(const RecordColumn& column, const RecordedTick& row) {
@@ -162,6 +215,8 @@ std::string column_text(const RecordColumn& column, const RecordedTick& row) {
       return std::to_string(number_at<std::uint32_t>(column, row));
     case FieldType::kUint16:
       return std::to_string(number_at<std::uint16_t>(column, row));
+    case FieldType::kInt32:
+      return std::to_string(number_at<std::int32_t>(column, row));
   }
   return "";
 }

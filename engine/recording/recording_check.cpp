@@ -91,7 +91,8 @@ Result<RecordingCheck> check_recording(const RecordingReader& reader,
 
 Result<RecordingCheck> repair_recording(const RecordingReader& reader, const std::string& to,
                                         const RecordingProgress& progress) {
-  auto file = RecordingFile::create(to, reader.readable_meta(), nullptr, kCopyLogPages);
+  auto file =
+      RecordingFile::create(to, reader.readable_meta(), nullptr, kCopyLogPages, reader.version());
   if (!file) return file.error();
   if (auto error = file->begin()) return *error;
   std::uint64_t blocks = 0;

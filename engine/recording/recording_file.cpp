@@ -92,6 +92,7 @@ bool bind_value(sqlite3_stmt* statement, int index, std::span<const std::byte> b
 
 struct RecordingFile::State {
   std::string path;
+  int version = kRecordingVersion;
   OutputLock folder;  // of the file
   ino_t inode = 0;
   Database database;
@@ -205,7 +206,7 @@ std::optional<Error> RecordingFile::State::open(const char* file_system) {
 std::optional<Error> RecordingFile::State::make_tables() {
   if (auto failed = run("BEGIN")) return failed;
   const std::string marks = "PRAGMA application_id=" + std::to_string(kRecordingApplication) +
-                            "; PRAGMA user_version=" + std::to_string(kRecordingVersion);
+                            "; PRAGMA user_version=" + std::to_string(version);
   if (auto failed = run(marks.c_str())) return failed;
   for (const RecordingTable& table : kRecordingTables) {
     if (auto failed = run(table.sql)) return failed;
@@ -224,12 +225,13 @@ RecordingFile& RecordingFile::operator=(RecordingFile&&) noexcept = default;
 RecordingFile::~RecordingFile() = default;
 
 Result<RecordingFile> RecordingFile::create(const std::string& path, const RecordingMeta& meta,
-                                            const char* file_system, int log_pages) {
+                                            const char* file_system, int log_pages, int version) {
   auto folder = OutputLock::take_for_file(path);
   if (!folder) return folder.error();
   if (auto error = create_empty(path)) return *error;
   RecordingFile file(std::make_unique<State>());
   file.state_->path = path;
+  file.state_->version = version;
   file.state_->folder = std::move(*folder);
   auto error = file.state_->check_space();
   if (!error) error = file.state_->open(file_system);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "engine/recording/recording_meta.h"
+#include "engine/recording/recording_schema.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -25,9 +26,10 @@ class RecordingFile {
   // Creates the file with its tables and `meta`. Returns an error if the file exists or cannot be
   // created; nothing is left then. file_system: SQLite's name of a file system layer, for tests;
   // null: the usual one. log_pages: the length of
-  // the log at which it is copied into the file; 0: only at the end.
+  // the log at which it is copied into the file; 0: only at the end. version: of the format.
   static Result<RecordingFile> create(const std::string& path, const RecordingMeta& meta,
-                                      const char* file_system = nullptr, int log_pages = 0);
+                                      const char* file_system = nullptr, int log_pages = 0,
+                                      int version = kRecordingVersion);
 
   RecordingFile(RecordingFile&&) noexcept;
   RecordingFile& operator=(RecordingFile&&) noexcept;

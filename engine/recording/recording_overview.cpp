@@ -11,7 +11,8 @@ std::optional<double> last_time_of(const RecordingReader& reader, std::int64_t f
   const auto block = reader.block(first_tick);
   if (!block) return std::nullopt;
   BlockDecoder decoder;
-  const auto content = decoder.decode(first_tick, block->ticks, block->columns, block->inputs);
+  const auto content =
+      decoder.decode(first_tick, block->ticks, block->columns, block->inputs, reader.version());
   if (!content || content->rows.empty()) return std::nullopt;
   return content->rows.back().record.time_s;
 }

@@ -130,6 +130,7 @@ struct RecordingReader::State {
   std::uint64_t bytes = 0;
   bool has_log = false;
   bool lacks_log = false;
+  int version = kRecordingVersion;
   Database database;
   int checks = 0;  // of the running statement
 
@@ -169,11 +170,12 @@ std::optional<Error> RecordingReader::State::open() {
   if (!read_header(file.get(), header) || !is_ours(header)) {
     return error("is not a recording; expected a file that `--record` has written");
   }
-  if (const std::uint32_t version = big_endian(&header[kVersionAt], 4);
-      version != kRecordingVersion) {
-    return error("has the format version " + std::to_string(version) + "; expected " +
+  const std::uint32_t stated = big_endian(&header[kVersionAt], 4);
+  if (stated < 1 || stated > kRecordingVersion) {
+    return error("has the format version " + std::to_string(stated) + "; expected 1 to " +
                  std::to_string(kRecordingVersion));
   }
+  version = static_cast<int>(stated);
   if (is_locked(file.get())) {
     return error("is being recorded", "wait until the recording has ended");
   }
@@ -403,6 +405,9 @@ bool RecordingReader::has_log() const {
 
 bool RecordingReader::lacks_log() const {
   return state_->lacks_log;
+}
+int RecordingReader::version() const {
+  return state_->version;
 }
 const std::string& RecordingReader::path() const {
   return state_->path;

@@ -69,6 +69,8 @@ class RecordingReader {
   // newest ticks.
   bool lacks_log() const;
   const std::string& path() const;
+  // Of the format: 1 to kRecordingVersion.
+  int version() const;
 
  private:
   struct State;

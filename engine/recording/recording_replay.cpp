@@ -127,12 +127,13 @@ class ComputedTick final : public TickSink {
   SummaryAccumulator summary;
 };
 
+// Compares what a recording of this version states.
 std::optional<ReplayDifference> first_difference(const RecordedTick& recorded,
-                                                 const RecordedTick& computed) {
+                                                 const RecordedTick& computed, int version) {
   const auto* a = reinterpret_cast<const std::byte*>(&recorded);
   const auto* b = reinterpret_cast<const std::byte*>(&computed);
   for (const RecordColumn& column : recorded_columns()) {
-    if (column.source != ColumnSource::kComputed) continue;
+    if (column.source != ColumnSource::kComputed || !is_recorded(column, version)) continue;
     if (std::memcmp(a + column.offset, b + column.offset, column.bytes) == 0) continue;
     return ReplayDifference{recorded.record.tick, column.name, column_text(column, recorded),
                             column_text(column, computed)};
@@ -234,6 +235,7 @@ class Replayer {
 
   std::optional<Error> run(const RecordingReader& reader) {
     session_.start();
+    version_ = reader.version();
     BlockWalk walk(reader);
     for (WalkStep step = walk.next(); step.kind != WalkStep::Kind::kEnd; step = walk.next()) {
       if (step.kind != WalkStep::Kind::kBlock) {
@@ -297,13 +299,13 @@ class Replayer {
     const std::int64_t late_ns = row.record.late_ns;
     const std::int64_t now_ns = row.reading.due_ns + late_ns;
     session_.tick(row.reading.dt_s, late_ns, now_ns);
-    if (!options_.change) outcome_.difference = first_difference(row, computed_.row);
+    if (!options_.change) outcome_.difference = first_difference(row, computed_.row, version_);
     if (outcome_.difference) return nullptr;
     ++outcome_.proved;
     recorded_summary_.add(row.record);
     count_effects(row.record, recorded_effects_);
     count_effects(computed_.row.record, computed_effects_);
-    const bool is_tripped = (row.record.faults & kRuleTripped) != 0;
+    const bool is_tripped = (row.record.rules & kRuleTripped) != 0;
     if (is_tripped && !was_tripped_) {
       GovernorTrip trip;
       trip.tick = row.record.tick;
@@ -350,9 +352,21 @@ class Replayer {
   std::array<std::uint64_t, kMostEffects> recorded_effects_{};
   std::array<std::uint64_t, kMostEffects> computed_effects_{};
   bool was_tripped_ = false;
+  int version_ = kRecordingVersion;  // of the recording
 };
 
-std::optional<Error> check_session(const RecordedSession& session, const Scene& scene) {
+std::optional<Error> check_session(const RecordedSession& session, int version,
+                                   const Scene& scene) {
+  if (session.version != version) {
+    return Error{ErrorCode::kInvalidContent, "", "columns",
+                 "are those of the format version " + std::to_string(session.version) +
+                     "; expected those of version " + std::to_string(version),
+                 ""};
+  }
+  if (!is_delay(session.device.delay_s)) {
+    return Error{ErrorCode::kInvalidContent, "", "device.delay_s",
+                 "is " + std::to_string(session.device.delay_s) + "; expected 0 to 1 s", ""};
+  }
   if (auto error = check_settings(scene.world(), session.setup.haptics)) return error;
   const int motors = session.device.motor_count;
   if (motors < 0 || motors > static_cast<int>(session.device.motors.size())) {
@@ -377,7 +391,7 @@ Result<ReplayOutcome> replay_recording(const RecordingReader& reader,
     error.path = reader.path();
     return error;
   };
-  if (auto error = check_session(session, scene)) return in_file(*error);
+  if (auto error = check_session(session, reader.version(), scene)) return in_file(*error);
   auto ending = reader.ending();
   if (!ending) return ending.error();
   const auto replayer = std::make_unique<Replayer>(session, scene, options);

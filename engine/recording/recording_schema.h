@@ -9,7 +9,8 @@ namespace palpate {
 
 // "Plpt", in the header of the database.
 inline constexpr std::uint32_t kRecordingApplication = 0x506c7074;
-inline constexpr int kRecordingVersion = 1;
+// What is written. A reader takes this version and those before it, from 1 on.
+inline constexpr int kRecordingVersion = 2;
 
 struct RecordingTable {
   const char* name;

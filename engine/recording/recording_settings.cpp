@@ -452,6 +452,7 @@ RecordingMeta meta_of(const SessionFacts& facts) {
   MetaWriter writer(meta);
   DeviceDescription device = facts.device;
   visit_device(device, writer);
+  if (device.delay_s != 0.0) writer("device.delay_s", device.delay_s);
   writer("session.takes_motors", facts.takes_motors);
   if (facts.max_force_N) writer("session.max_force_N", *facts.max_force_N);
   return meta;
@@ -462,7 +463,8 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
   RecordedSession session;
   reader("engine", session.engine);
   reader("build", session.build);
-  check_table("columns", recorded_columns_json(), reader);
+  session.version = version_of_columns(meta);
+  check_table("columns", recorded_columns_json(session.version), reader);
   check_table("effects", effects_text(), reader);
   visit_setup(session.setup, reader);
   read_counting(reader, session.setup.haptics.god_object.accuracy);
@@ -480,6 +482,7 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
     reader.fail("device.name", "is missing; the session had not begun when it ended");
   }
   visit_device(session.device, reader);
+  if (reader.has("device.delay_s")) reader("device.delay_s", session.device.delay_s);
   reader("session.takes_motors", session.takes_motors);
   if (reader.has("session.max_force_N")) {
     double most_N = 0.0;

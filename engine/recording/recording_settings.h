@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/recording/recording_meta.h"
+#include "engine/recording/recording_schema.h"
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
 #include "engine/session/tick_sink.h"
@@ -34,7 +35,8 @@ struct RecordedSetup {
 
 // All that a recording states about its session.
 struct RecordedSession {
-  std::string engine;  // version
+  std::string engine;               // version
+  int version = kRecordingVersion;  // of the format, as the table of columns has it
   std::string build;
   RecordedSetup setup;
   std::string scene_place;  // absolute path of the scene's file when it was recorded

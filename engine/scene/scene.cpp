@@ -49,6 +49,16 @@ std::optional<std::uint32_t> Scene::material(std::size_t object, std::size_t fac
   return parts.materials()[parts.part_of_face(face)];
 }
 
+std::string_view Scene::body_name(std::int32_t body) const {
+  if (body < 0 || static_cast<std::size_t>(body) >= objects_.size()) return {};
+  return objects_[static_cast<std::size_t>(body)].name;
+}
+
+std::string_view Scene::material_name(std::int32_t material) const {
+  if (material < 0 || static_cast<std::size_t>(material) >= materials_.size()) return {};
+  return materials_[static_cast<std::size_t>(material)].name;
+}
+
 AffineMap Scene::map_body_mesh(const IndexUse& use) const {
   const AffineMap& map = shapes_[use.shape].map_index_mesh;
   if (use.stretch == IndexUse::kNoStretch) return map;

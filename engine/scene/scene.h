@@ -151,6 +151,10 @@ class Scene {
   // merged into one face, the face has the material of the first of them. The time is logarithmic
   // in the number of primitives of the mesh.
   std::optional<std::uint32_t> material(std::size_t object, std::size_t face) const;
+  // The names of TickRecord::body and TickRecord::material. Empty for kNothingTouched,
+  // kTouchUnknown and any other number that this scene does not have. Valid as long as the scene.
+  std::string_view body_name(std::int32_t body) const;
+  std::string_view material_name(std::int32_t material) const;
   // The haptic material of an object: an index into haptic_materials().
   std::optional<std::uint32_t> haptic_material(std::size_t object) const {
     return parts_[objects_[object].mesh].haptic_material();

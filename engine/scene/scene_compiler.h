@@ -93,6 +93,7 @@ class SceneCompiler {
   std::optional<Error> take_places();
   void keep_touchable_nodes();
   void add_bodies();
+  void add_face_materials();
   void widen_sweeps(const Seams& seams);
   Result<Seams> find_node_seams();
   void report_seams(const Seams& seams);

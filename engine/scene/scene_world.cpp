@@ -8,6 +8,7 @@
 
 #include "engine/scene/memory_budget.h"
 #include "engine/scene/scene_compiler.h"
+#include "haptics/proxy/face_materials.h"
 
 namespace palpate {
 namespace {
@@ -27,7 +28,7 @@ double sweep_radius_m(double size_m, double proxy_radius_m) {
 std::optional<Error> SceneCompiler::take_places() {
   const std::vector<NodeDescription>& nodes = description_.nodes;
   constexpr std::uint64_t kKept = sizeof(SceneObject) + sizeof(IndexUse) + sizeof(std::size_t) +
-                                  sizeof(std::uint32_t) + sizeof(ContactBody);
+                                  2 * sizeof(std::uint32_t) + sizeof(ContactBody);
   MemoryNeed need;
   for (const NodeDescription& node : nodes) need.kept += kKept + text_bytes(node.name);
   need.peak = need.kept + nodes.size() * sizeof(NodePlacement);
@@ -105,6 +106,7 @@ std::optional<Error> SceneCompiler::build_world() {
   if (settings_.proxy_radius_m == 0.0) widen_sweeps(seams);
   build_meshes_and_indices();
   add_bodies();
+  add_face_materials();
   if (!seams.bodies.empty()) add_corners(seams);
   node_of_object_ = {};
   met_of_node_ = {};
@@ -114,6 +116,7 @@ std::optional<Error> SceneCompiler::build_world() {
                               scene_.world_.bodies.capacity() * sizeof(ContactBody) +
                               scene_.shapes_.capacity() * sizeof(IndexShape) +
                               scene_.world_.stretches->capacity() * sizeof(Stretch) +
+                              scene_.world_.materials->memory_bytes() +
                               (scene_.world_.seams ? scene_.world_.seams->memory_bytes() : 0);
   for (const SceneObject& object : scene_.objects_)
     statistics_.memory.places += text_bytes(object.name);
@@ -141,6 +144,15 @@ void SceneCompiler::add_bodies() {
     if (use.stretch != IndexUse::kNoStretch)
       body.stretch = &(*scene_.world_.stretches)[use.stretch];
   }
+}
+
+// The runs of a mesh take less memory than those of its description, which is freed.
+void SceneCompiler::add_face_materials() {
+  auto materials = std::make_shared<FaceMaterials>();
+  materials->reserve(scene_.objects_.size());
+  for (const MeshParts& parts : scene_.parts_) materials->add_surface(parts.face_materials());
+  for (const SceneObject& object : scene_.objects_) materials->add_body(object.mesh);
+  scene_.world_.materials = std::move(materials);
 }
 
 // Widens the sweep radii of indices for a point. For bodies with seams and for stretched bodies,

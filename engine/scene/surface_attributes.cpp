@@ -7,6 +7,7 @@
 #include "geometry/base/memory_breakdown.h"
 #include "geometry/index/crease_normals.h"
 #include "geometry/mesh/height_from_normals.h"
+#include "palpate/record.h"
 
 namespace palpate {
 namespace {
@@ -146,6 +147,17 @@ std::size_t MeshParts::part_of_face(std::size_t face) const {
       std::upper_bound(runs_.begin(), runs_.end(), face,
                        [](std::size_t f, const FaceRun& run) { return f < run.first_face; });
   return next == runs_.begin() ? 0 : std::prev(next)->part;
+}
+
+std::vector<FaceMaterialRun> MeshParts::face_materials() const {
+  const auto number_of = [&](std::size_t part) {
+    return materials_[part] ? static_cast<std::int32_t>(*materials_[part]) : kNothingTouched;
+  };
+  if (materials_.size() == 1) return {{0, number_of(0)}};
+  std::vector<FaceMaterialRun> runs;
+  runs.reserve(runs_.size());
+  for (const FaceRun& run : runs_) runs.push_back({run.first_face, number_of(run.part)});
+  return runs;
 }
 
 std::vector<std::uint32_t> MeshParts::first_triangles(const WeldedSurface& surface) const {

@@ -20,6 +20,7 @@
 #include "geometry/mesh/height_map.h"
 #include "geometry/mesh/surface_mesh.h"
 #include "haptics/effects/face_point.h"
+#include "haptics/proxy/face_materials.h"
 #include "io/scene_description.h"
 
 namespace palpate {
@@ -36,6 +37,8 @@ class MeshParts {
   // no faces or declares no material. A part is an index into this list.
   const std::vector<std::optional<std::uint32_t>>& materials() const { return materials_; }
   std::size_t part_of_face(std::size_t face) const;  // time: logarithmic in the primitives
+  // The materials of the faces, run by run; kNothingTouched for none.
+  std::vector<FaceMaterialRun> face_materials() const;
   std::optional<std::uint32_t> haptic_material() const { return haptic_material_; }
   std::size_t memory_bytes() const;
 

@@ -4,11 +4,23 @@
 #include <array>
 #include <chrono>
 #include <span>
+#include <sstream>
 #include <utility>
 
 #include "engine/devices/monotonic_clock.h"
 
 namespace palpate {
+namespace {
+
+std::string delay_problem(const DeviceDescription& device) {
+  std::ostringstream text;
+  text << "the device \"" << device.name << "\" states a delay of " << device.delay_s
+       << " s; expected 0 to " << kLongestDelay_s << " s (DeviceDescription::delay_s)";
+  return text.str();
+}
+
+}  // namespace
+
 HapticSession::HapticSession(HapticLoop& loop, Device& device, SessionParts parts)
     : loop_(loop), device_(device), parts_(std::move(parts)) {}
 
@@ -20,11 +32,12 @@ std::optional<std::string> HapticSession::start() {
   if (is_running_.exchange(true)) return std::nullopt;
   // is_running_ is already set, so that stop() runs even if device_.start() throws.
   auto problem = device_.start();
+  const DeviceDescription& device = device_.description();
+  if (!problem && !is_delay(device.delay_s)) problem = delay_problem(device);
   if (problem) {
     stop();
     return problem;
   }
-  const DeviceDescription& device = device_.description();
   governor_.emplace(device, SafetyGovernor::clamp_of(device, parts_.max_force_N));
   if (parts_.sink) parts_.sink->on_start({device, parts_.max_force_N, parts_.takes_motors});
   return std::nullopt;

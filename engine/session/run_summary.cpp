@@ -31,8 +31,7 @@ void SummaryAccumulator::add(const TickRecord& record) noexcept {
     sums_.faults[static_cast<std::size_t>(bit)] += record.faults >> bit & 1u;
   }
   for (int bit = 0; bit < kGovernorRuleCount; ++bit) {
-    sums_.governor_rules[static_cast<std::size_t>(bit)] +=
-        record.faults >> (kFirstGovernorFault + bit) & 1u;
+    sums_.governor_rules[static_cast<std::size_t>(bit)] += record.rules >> bit & 1u;
   }
   if (was_in_contact_ && !record.contact) ++sums_.losses_of_contact;
   was_in_contact_ = record.contact != 0;

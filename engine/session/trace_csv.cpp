@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <numbers>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -18,10 +19,20 @@ constexpr std::array<std::string_view, kRecordFields.size()> kOrder = {
     "normal_scene", "force_device_N", "contact",      "alpha_rad",    "q_before_wxyz",
     "o_before_m",   "friction",       "faults",       "step_ns",      "full_force_device_N",
     "q_after_wxyz", "o_after_m",      "rotation_rad", "effects",      "iterations",
-    "late_ns"};
+    "late_ns",      "rules",          "body",         "material",     "contacts",
+    "touch"};
 
 // How a field is written.
-enum class Form : std::uint8_t { kNumbers, kDegrees, kFaults, kEffects, kFriction };
+enum class Form : std::uint8_t {
+  kNumbers,
+  kDegrees,
+  kFaults,
+  kEffects,
+  kFriction,
+  kRules,
+  kTouched,
+  kTouch
+};
 
 struct Column {
   RecordField field;
@@ -33,6 +44,11 @@ constexpr Form form_of(const RecordField& field) {
   if (field.name == "faults") return Form::kFaults;
   if (field.name == "effects") return Form::kEffects;
   if (field.name == "friction") return Form::kFriction;
+  if (field.name == "rules") return Form::kRules;
+  if (field.name == "body" || field.name == "material" || field.name == "contacts") {
+    return Form::kTouched;
+  }
+  if (field.name == "touch") return Form::kTouch;
   return Form::kNumbers;
 }
 
@@ -84,6 +100,8 @@ void put_numbers(const RecordField& field, const char* bytes, CsvLines& lines) {
       return put_numbers<std::uint32_t>(bytes, field.count, lines);
     case FieldType::kUint16:
       return put_numbers<std::uint16_t>(bytes, field.count, lines);
+    case FieldType::kInt32:
+      return put_numbers<std::int32_t>(bytes, field.count, lines);
   }
 }
 
@@ -98,12 +116,27 @@ void join(std::string& names, std::string_view name) {
   names += name;
 }
 
+// A bit without a name is written as its number.
+std::string bit_names(std::uint32_t bits, std::span<const std::string_view> names) {
+  std::string text;
+  for (std::size_t bit = 0; bits != 0; ++bit, bits >>= 1) {
+    if ((bits & 1u) == 0) continue;
+    join(text, bit < names.size() ? std::string(names[bit]) : "bit_" + std::to_string(bit));
+  }
+  return text;
+}
+
 std::string effect_names(std::uint32_t effects) {
   std::string names;
   for (std::size_t i = 0; i < compiled_effects().size(); ++i) {
     if ((effects >> i & 1u) != 0) join(names, compiled_effects()[i].name);
   }
   return names;
+}
+
+std::string_view touch_name(std::uint16_t touch) {
+  if ((touch & kTouchBegan) != 0) return "began";
+  return (touch & kTouchEnded) != 0 ? "ended" : "";
 }
 
 void put(const Column& column, const TickRecord& record, CsvLines& lines) {
@@ -122,6 +155,16 @@ void put(const Column& column, const TickRecord& record, CsvLines& lines) {
       return;
     case Form::kFriction:
       lines.add(friction_name(record.friction));
+      return;
+    case Form::kRules:
+      lines.add(rule_names(record.rules));
+      return;
+    case Form::kTouched:
+      if (record.body != kTouchUnknown) return put_numbers(column.field, bytes, lines);
+      lines.add("");
+      return;
+    case Form::kTouch:
+      lines.add(touch_name(record.touch));
       return;
   }
 }
@@ -172,21 +215,12 @@ std::optional<Error> write_trace(const std::string& path, const std::vector<Tick
   return std::nullopt;
 }
 
-std::string fault_name(int bit) {
-  if (bit < kFaultCount) return std::string(kFaultNames[static_cast<std::size_t>(bit)]);
-  const int rule = bit - kFirstGovernorFault;
-  const bool is_known = rule >= 0 && rule < kGovernorRuleCount;
-  return "governor_" + (is_known ? std::string(kGovernorRuleNames[static_cast<std::size_t>(rule)])
-                                 : std::to_string(bit));
+std::string fault_names(std::uint32_t faults) {
+  return bit_names(faults, kFaultNames);
 }
 
-std::string fault_names(std::uint32_t faults) {
-  std::string names;
-  for (int bit = 0; faults != 0; ++bit, faults >>= 1) {
-    if ((faults & 1u) == 0) continue;
-    join(names, fault_name(bit));
-  }
-  return names;
+std::string rule_names(std::uint32_t rules) {
+  return bit_names(rules, kGovernorRuleNames);
 }
 
 std::string_view friction_name(FrictionState friction) {

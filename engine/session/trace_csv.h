@@ -20,8 +20,10 @@ namespace palpate {
 
 // The header line of a trace: the column names, joined by commas. Each number of each field in
 // kRecordFields has one column. The order of the columns differs from that of the fields: new
-// columns are always added at the end. Angles are in degrees. Faults are written as names joined by
-// "+", and so are effects; the field is empty if there are none. The friction state is a name.
+// columns are always added at the end. Angles are in degrees. Faults, rules of the governor and
+// effects are written as names joined by "+"; the field is empty if there are none. The friction
+// state is a name. A touch is "began", "ended" or empty. Body, material and the number of contacts
+// are empty if they are unknown (kTouchUnknown).
 const std::string& trace_columns();
 
 // Writes a trace: trace_columns(), then one line per record (CsvLines). Equal records give equal
@@ -51,9 +53,10 @@ class TraceWriter {
 std::optional<Error> write_trace(const std::string& path, const std::vector<TickRecord>& records,
                                  const std::function<void(double)>& progress = {});
 
-// The names of the faults of a tick, joined by "+"; empty if there are none. A fault of a governor
-// is "governor_" followed by its bit number.
+// The names of the faults of a tick, or of the governor's rules that acted in it, joined by "+";
+// empty if there are none. A bit without a name is "bit_" followed by its number.
 std::string fault_names(std::uint32_t faults);
+std::string rule_names(std::uint32_t rules);
 
 // "none", "sticks" or "slides".
 std::string_view friction_name(FrictionState friction);

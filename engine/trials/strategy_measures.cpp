@@ -10,7 +10,7 @@ namespace {
 
 // A sample that was ignored changes no force. Every other rule scales, drops or delays it.
 constexpr std::uint32_t kRulesOfForce =
-    (((1u << kGovernorRuleCount) - 1u) << kFirstGovernorFault) & ~std::uint32_t{kRuleOrder};
+    ((1u << kGovernorRuleCount) - 1u) & ~std::uint32_t{kRuleOrder};
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void StrategyMeasures::begin(const TickRecord& record) noexcept {
 
 void StrategyMeasures::add(const TickRecord& record) noexcept {
   ++ticks_;
-  if (record.faults & kRulesOfForce) ++governed_;
+  if (record.rules & kRulesOfForce) ++governed_;
   add_work(record);
   add_turn(record);
   add_drift(record);

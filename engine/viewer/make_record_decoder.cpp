@@ -4,7 +4,9 @@
 
 #include <cstdio>
 #include <fstream>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "palpate/record.h"
 
@@ -24,6 +26,8 @@ std::string getter(FieldType type, std::size_t offset) {
       return "view.getUint32(" + at + ", true)";
     case FieldType::kUint16:
       return "view.getUint16(" + at + ", true)";
+    case FieldType::kInt32:
+      return "view.getInt32(" + at + ", true)";
   }
   return "";
 }
@@ -60,22 +64,14 @@ std::string decoder_text() {
   return text + "  };\n}\n";
 }
 
-// The name of each bit of TickRecord.faults, or "".
-std::string fault_names_text() {
-  std::string text =
-      "/** The names of the bits of faults, from the lowest bit on. */\n"
-      "export const faultNames: readonly string[] = [";
-  for (int bit = 0; bit < kFirstGovernorFault + kGovernorRuleCount; ++bit) {
-    std::string_view name;
-    if (bit < kFaultCount) name = kFaultNames[static_cast<std::size_t>(bit)];
-    if (bit >= kFirstGovernorFault) {
-      name = kGovernorRuleNames[static_cast<std::size_t>(bit - kFirstGovernorFault)];
-    }
-    text += (bit > 0 ? ", \"" : "\"") + std::string(name) + "\"";
+// An array of the names of bits, from the lowest bit on.
+std::string names_text(const std::string& comment, const std::string& name,
+                       std::span<const std::string_view> names) {
+  std::string text = "/** " + comment + " */\nexport const " + name + ": readonly string[] = [";
+  for (std::size_t bit = 0; bit < names.size(); ++bit) {
+    text += (bit > 0 ? ", \"" : "\"") + std::string(names[bit]) + "\"";
   }
-  return text +
-         "];\n/** Lower bits are faults of the loop, higher bits rules of the governor. */\n" +
-         "export const firstGovernorFault = " + std::to_string(kFirstGovernorFault) + ";\n";
+  return text + "];\n";
 }
 
 }  // namespace
@@ -91,7 +87,10 @@ int main(int argc, char** argv) {
        << "export const recordBytes = " << sizeof(palpate::TickRecord) << ";\n\n"
        << palpate::interface_text() << "\n"
        << palpate::decoder_text() << "\n"
-       << palpate::fault_names_text();
+       << palpate::names_text("The names of the bits of faults, from the lowest bit on.",
+                              "faultNames", palpate::kFaultNames)
+       << palpate::names_text("The names of the bits of rules, from the lowest bit on.",
+                              "ruleNames", palpate::kGovernorRuleNames);
   file.flush();
   if (!file) std::fprintf(stderr, "make_record_decoder: cannot write %s\n", argv[1]);
   return file ? 0 : 1;

@@ -94,8 +94,11 @@ void encode_state(const ViewState& state, std::span<const BodyPose> bodies, doub
   put(out, now_s);
   put(out, static_cast<std::uint32_t>(sizeof(TickRecord)));
   put(out, static_cast<std::uint32_t>(bodies.size()));
+  const std::string_view body_name = state.body_name.substr(0, kMostNameBytes);
+  const std::string_view material_name = state.material_name.substr(0, kMostNameBytes);
   put(out, state.axis_count);
-  put(out, std::uint32_t{0});
+  put(out, static_cast<std::uint16_t>(body_name.size()));
+  put(out, static_cast<std::uint16_t>(material_name.size()));
   for (const auto& axis : state.axes) {
     for (const double x : axis) put(out, x);
   }
@@ -108,6 +111,8 @@ void encode_state(const ViewState& state, std::span<const BodyPose> bodies, doub
     for (const double x : pose.q_wxyz) put(out, x);
     for (const double x : pose.o_m) put(out, x);
   }
+  out += body_name;
+  out += material_name;
 }
 
 void encode_ticks(std::span<const TickSummary> rows, std::uint32_t lost, std::uint32_t group,

@@ -3,11 +3,13 @@
 // The binary messages between the server of `view` and its page. Numbers are little-endian; floats
 // are IEEE 754. Pure functions.
 //
-// state, 136 bytes, then the record, then 64 bytes a moving body:
+// state, 136 bytes, then the record, then 64 bytes a moving body, then two names in UTF-8: of the
+// body and of the material that the tick touches; empty if there is none:
 //   0 u16 kind 1, 2 u16 version, 4 u32 flags (ViewFlag), 8 u64 sequence of the newest pointer that
 //   the tick used, 16 f64[3] target of the hand (device frame, m), 40 f64 when the server encoded
 //   the message (s, on a clock of its own), 48 u32 bytes of the record, 52 u32 moving bodies,
-//   56 u32 actuated axes, 60 u32 0, 64 f64[3][3] a basis of the actuated span (device frame)
+//   56 u32 actuated axes, 60 u16 bytes of the body's name, 62 u16 bytes of the material's name,
+//   64 f64[3][3] a basis of the actuated span (device frame)
 //   a body: 0 u32 number, 4 u32 0, 8 f64[4] q wxyz, 40 f64[3] position m, both T_scene_body
 // ticks, 24 bytes, then seven columns of N f32:
 //   0 u16 kind 2, 2 u16 version, 4 u32 N, 8 f64 base time s, 16 u32 lost ticks, 20 u32 ticks a
@@ -17,9 +19,11 @@
 //   0 u16 kind 16, 2 u16 version, 4 u32 buttons, 8 u64 sequence, 16 f64[3] target (device frame, m)
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/viewer/tick_summary.h"
@@ -28,7 +32,7 @@
 
 namespace palpate {
 
-inline constexpr int kViewVersion = 2;
+inline constexpr int kViewVersion = 3;
 
 enum ViewFlag : std::uint32_t {
   kHandHasTarget = 1u << 0,
@@ -44,7 +48,11 @@ struct ViewState {
   std::uint32_t flags = 0;                         // ViewFlag bits
   std::uint32_t axis_count = 0;                    // of the actuated span
   std::array<std::array<double, 3>, 3> axes = {};  // its basis, device frame
+  // What the tick touches (Scene::body_name, material_name); must outlive the state. A message has
+  // at most kMostNameBytes of each.
+  std::string_view body_name, material_name;
 };
+inline constexpr std::size_t kMostNameBytes = 256;
 
 // The pose of a moving body, T_scene_body.
 struct BodyPose {

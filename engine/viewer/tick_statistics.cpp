@@ -16,10 +16,13 @@ void TickStatistics::add(std::span<const TickSummary> rows) {
       step_us_[next_] = row.step_us;
       next_ = (next_ + 1) % kTicks;
     }
-    for (std::size_t bit = 0; row.faults != 0 && bit < faults_.size(); ++bit) {
-      faults_[bit] += (row.faults >> bit) & 1u;
-    }
+    count(row.faults, faults_);
+    count(row.rules, rules_);
   }
+}
+
+void TickStatistics::count(std::uint32_t bits, BitCounts& counts) {
+  for (std::size_t bit = 0; bits != 0; ++bit, bits >>= 1) counts[bit] += bits & 1u;
 }
 
 std::optional<double> TickStatistics::percentile(std::vector<float> times_us, double share) {
@@ -32,8 +35,12 @@ std::optional<double> TickStatistics::percentile(std::vector<float> times_us, do
   return static_cast<double>(*at);
 }
 
-std::array<std::uint64_t, 32> TickStatistics::take_faults() {
+TickStatistics::BitCounts TickStatistics::take_faults() {
   return std::exchange(faults_, {});
+}
+
+TickStatistics::BitCounts TickStatistics::take_rules() {
+  return std::exchange(rules_, {});
 }
 
 }  // namespace palpate

@@ -17,6 +17,7 @@ struct TickSummary {
   float step_us = 0.0f;
   float late_us = 0.0f;
   std::uint32_t faults = 0;
+  std::uint32_t rules = 0;
   std::uint32_t contact = 0;
 
   // Squares instead of lengths, because this function runs in a tick.
@@ -34,6 +35,7 @@ struct TickSummary {
     row.step_us = static_cast<float>(record.step_ns) * 1e-3f;
     row.late_us = static_cast<float>(record.late_ns) * 1e-3f;
     row.faults = record.faults;
+    row.rules = record.rules;
     row.contact = record.contact;
     return row;
   }

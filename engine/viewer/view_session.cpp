@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -60,11 +62,12 @@ Json inside_json(const Scene& scene, const StartInside::Status& status) {
   return scene.objects()[status.object].name;
 }
 
-std::string_view fault_name(std::size_t bit) {
-  if (bit < kFaultNames.size()) return kFaultNames[bit];
-  if (bit < kFirstGovernorFault) return "unknown";
-  const std::size_t rule = bit - kFirstGovernorFault;
-  return rule < kGovernorRuleNames.size() ? kGovernorRuleNames[rule] : "unknown";
+void add_counts(const TickStatistics::BitCounts& counts, std::span<const std::string_view> names,
+                Json& json) {
+  for (std::size_t bit = 0; bit < counts.size(); ++bit) {
+    if (counts[bit] == 0) continue;
+    json[std::string(bit < names.size() ? names[bit] : "unknown")] = counts[bit];
+  }
 }
 
 }  // namespace
@@ -167,6 +170,8 @@ bool ViewSession::newest(ViewState& state, std::vector<BodyPose>& bodies) {
     state.axis_count = loop.axis_count;
     state.axes = loop.axes;
   }
+  state.body_name = scene_.body_name(state.record.body);
+  state.material_name = scene_.material_name(state.record.material);
   if (is_paused_) state.flags |= kViewPaused;
   return true;
 }
@@ -238,10 +243,8 @@ std::string ViewSession::status(std::size_t clients) {
   const bool is_tripped = governor.state == GovernorState::kTripped;
   json["trip"] = is_tripped ? Json(trip_text(governor.trip)) : Json();
   json["faults"] = Json::object();
-  const auto faults = statistics_.take_faults();
-  for (std::size_t bit = 0; bit < faults.size(); ++bit) {
-    if (faults[bit] > 0) json["faults"][std::string(fault_name(bit))] = faults[bit];
-  }
+  add_counts(statistics_.take_faults(), kFaultNames, json["faults"]);
+  add_counts(statistics_.take_rules(), kGovernorRuleNames, json["faults"]);
   json["clients"] = clients;
   json["paused"] = is_paused_;
   json["inside"] = inside_json(scene_, start_inside_.status());

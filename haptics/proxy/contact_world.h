@@ -18,6 +18,7 @@
 namespace palpate {
 
 struct EffectProgram;
+class FaceMaterials;
 
 // A rigid surface placed in the solver frame.
 //
@@ -134,6 +135,8 @@ struct ContactWorld {
   std::shared_ptr<const SeamedBodies> seams;
   // The haptic effects of the surfaces, solver frame. Null in a world without effects.
   std::shared_ptr<const EffectProgram> effects;
+  // The materials of the bodies' faces (face_materials.h), for TickRecord::material. Null: unknown.
+  std::shared_ptr<const FaceMaterials> materials;
 
   Vec3 to_solver(const Vec3& p_scene) const { return p_scene - anchor_scene_m; }
   Vec3 to_scene(const Vec3& p_solver) const { return p_solver + anchor_scene_m; }

@@ -49,7 +49,24 @@ TEST(RecordTable, NamesEveryFaultAndReservesBitsForGovernors) {
   EXPECT_EQ(names.size(), static_cast<std::size_t>(kFaultCount));
   EXPECT_FALSE(names.contains(""));
   EXPECT_EQ(kFaultEffectsCapped, 1u << (kFaultCount - 1)) << "the last one";
-  EXPECT_EQ((kFaultsWithoutForce >> kFirstGovernorFault), 0u);
+  EXPECT_EQ(kFaultsWithoutForce >> 16, 0u) << "reserved";
+}
+
+TEST(RecordTable, NamesEveryRuleOfTheGovernorFromBit0On) {
+  const std::set<std::string_view> names(kGovernorRuleNames.begin(), kGovernorRuleNames.end());
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(kGovernorRuleCount));
+  EXPECT_FALSE(names.contains(""));
+  EXPECT_EQ(kRuleBadSample, 1u << 0) << "the first one";
+  EXPECT_EQ(kRuleTripped, 1u << (kGovernorRuleCount - 1)) << "the last one";
+}
+
+// Programs and recordings of before find the members where they were.
+TEST(RecordTable, KeepsTheOffsetsOfTheMembersOfBefore) {
+  EXPECT_EQ(offsetof(TickRecord, step_ns), 280u);
+  EXPECT_EQ(offsetof(TickRecord, faults), 296u);
+  EXPECT_EQ(offsetof(TickRecord, friction), 310u);
+  EXPECT_EQ(offsetof(TickRecord, rules), 312u);
+  EXPECT_EQ(sizeof(TickRecord), 336u);
 }
 
 TEST(Record, ReturnsVectorsAndPosesToTheBit) {

@@ -1,8 +1,8 @@
-// The messages between the page and the server, version 2. All numbers are little-endian.
+// The messages between the page and the server, version 3. All numbers are little-endian.
 
 import { decodeRecord, recordBytes, type TickRecord } from "./record.ts";
 
-export const kVersion = 2;
+export const kVersion = 3;
 const kKindState = 1;
 const kKindTicks = 2;
 const kKindPointer = 16;
@@ -31,6 +31,8 @@ export interface State {
   axes: Vector3[]; // a basis of the actuated span, device frame
   record: TickRecord;
   bodies: BodyPose[];
+  bodyName: string; // of what is touched; "": nothing
+  materialName: string; // "": nothing, or it has no material
 }
 
 // The ticks since the last message, one column per quantity.
@@ -144,6 +146,11 @@ function vector(view: DataView, offset: number): Vector3 {
   ];
 }
 
+// A name of a file may hold bytes that are not UTF-8.
+function text(view: DataView, offset: number, size: number): string {
+  return new TextDecoder().decode(new Uint8Array(view.buffer, view.byteOffset + offset, size));
+}
+
 function body(view: DataView, offset: number): BodyPose {
   return {
     body: view.getUint32(offset, true),
@@ -162,7 +169,9 @@ function decodeState(view: DataView): State {
   const size = view.getUint32(48, true);
   const bodyCount = view.getUint32(52, true);
   const axisCount = Math.min(view.getUint32(56, true), kMostAxes);
-  const expected = kStateHeaderBytes + size + bodyCount * kBodyBytes;
+  const nameBytes = [view.getUint16(60, true), view.getUint16(62, true)] as const;
+  const namesAt = kStateHeaderBytes + size + bodyCount * kBodyBytes;
+  const expected = namesAt + nameBytes[0] + nameBytes[1];
   if (size !== recordBytes || view.byteLength !== expected) {
     throw new Error(`state: has ${view.byteLength} bytes, a record of ${size}; ` +
                     `expected a record of ${recordBytes}`);
@@ -181,6 +190,8 @@ function decodeState(view: DataView): State {
     axes: Array.from({ length: axisCount }, (_, n) => vector(view, 64 + 24 * n)),
     record: decodeRecord(view, kStateHeaderBytes),
     bodies,
+    bodyName: text(view, namesAt, nameBytes[0]),
+    materialName: text(view, namesAt + nameBytes[0], nameBytes[1]),
   };
 }
 

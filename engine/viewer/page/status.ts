@@ -2,7 +2,7 @@
 
 import type { ConnectionState } from "./connection.ts";
 import type { Status, State } from "./protocol.ts";
-import { count, faultsInWords } from "./words.ts";
+import { count, faultsInWords, touchedInWords } from "./words.ts";
 
 const kLongestGap_ms = 250; // an older state is not shown as a present one
 // How fast the fastest message is forgotten, s per s: clocks drift, and a machine may stop for a while.
@@ -100,6 +100,8 @@ export class StatusPanel {
     write("force", `${force_N.toFixed(2)} N`);
     write("full", `${full_N.toFixed(2)} N`);
     write("depth", isContact ? `${(1000 * depth_m).toFixed(2)} mm` : kNone);
+    write("touched", touchedInWords(state.bodyName, state.materialName) || kNone);
+    element("touched").title = touchedInWords(state.bodyName, state.materialName);
     write("hand", state.isHeld ? "held by a page" : "let go");
   }
 

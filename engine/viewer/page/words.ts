@@ -46,6 +46,11 @@ export function faultsInWords(faults: Record<string, number>): string {
     .join(", ");
 }
 
+// What is touched: "box, wood"; "" if nothing is.
+export function touchedInWords(bodyName: string, materialName: string): string {
+  return [bodyName, materialName].filter((name) => name !== "").join(", ");
+}
+
 // A length in the unit that suits it.
 export function length(metres: number): string {
   if (metres >= 1) return `${Number(metres.toPrecision(3))} m`;

@@ -23,7 +23,7 @@ enum class FrictionState : std::uint16_t {
 };
 
 // Fault bits of a tick. A fault never stops the loop: rendering continues with the next good
-// sample. The upper 16 bits are GovernorRule bits.
+// sample. The upper 16 bits are 0 and reserved.
 enum Fault : std::uint32_t {
   kFaultNone = 0,
   kFaultNonFiniteSample = 1u << 0,  // the position is NaN or infinite: zero force
@@ -51,31 +51,30 @@ inline constexpr std::array<std::string_view, kFaultCount> kFaultNames = {
     "non_finite_sample", "bad_time_step",  "solver_capped",    "jump",
     "body_held",         "bad_body_pose",  "non_finite_force", "far_sample",
     "bad_settings",      "invalid_sample", "bad_actuation",    "effects_capped"};
-inline constexpr int kFirstGovernorFault = 16;
-static_assert(kFaultCount <= kFirstGovernorFault);
+static_assert(kFaultCount <= 16);
 
 // The rules of the safety governor that acted on the force of a tick, as bits of
-// TickRecord::faults. haptics/safety_governor.h defines each rule.
+// TickRecord::rules. haptics/safety_governor.h defines each rule.
 enum GovernorRule : std::uint32_t {
-  kRuleBadSample = 1u << 16,  // a motor's force is zero because the sample is bad
-  kRuleMotors = 1u << 17,     // the motors cannot push a part of the force, which was dropped
-  kRulePeak = 1u << 18,       // a motor would have exceeded its peak force
-  kRuleClamp = 1u << 19,      // the force would have exceeded the largest force
-  kRuleSlew = 1u << 20,       // the force would have grown too fast
-  kRuleSpeed = 1u << 21,      // the device moved too fast: a trip
-  kRuleStale = 1u << 22,      // the newest sample is too old: zero force
-  kRuleOrder = 1u << 23,      // a sample older than the last one was ignored
-  kRuleLate = 1u << 24,       // the tick came too late: zero force
-  kRuleWorkspace = 1u << 25,  // the device is outside its workspace
-  kRuleEase = 1u << 26,       // the force returns after an interruption
-  kRuleStart = 1u << 27,      // the force waits for a calm hand, or begins to grow
-  kRuleTripped = 1u << 28     // zero force until rearm()
+  kRuleBadSample = 1u << 0,  // a motor's force is zero because the sample is bad
+  kRuleMotors = 1u << 1,     // the motors cannot push a part of the force, which was dropped
+  kRulePeak = 1u << 2,       // a motor would have exceeded its peak force
+  kRuleClamp = 1u << 3,      // the force would have exceeded the largest force
+  kRuleSlew = 1u << 4,       // the force would have grown too fast
+  kRuleSpeed = 1u << 5,      // the device moved too fast: a trip
+  kRuleStale = 1u << 6,      // the newest sample is too old: zero force
+  kRuleOrder = 1u << 7,      // a sample older than the last one was ignored
+  kRuleLate = 1u << 8,       // the tick came too late: zero force
+  kRuleWorkspace = 1u << 9,  // the device is outside its workspace
+  kRuleEase = 1u << 10,      // the force returns after an interruption
+  kRuleStart = 1u << 11,     // the force waits for a calm hand, or begins to grow
+  kRuleTripped = 1u << 12    // zero force until rearm()
 };
 inline constexpr int kGovernorRuleCount = 13;
 inline constexpr std::array<std::string_view, kGovernorRuleCount> kGovernorRuleNames = {
     "bad_sample", "motors", "peak",      "clamp", "slew",  "speed",  "stale",
     "order",      "late",   "workspace", "ease",  "start", "tripped"};
-static_assert(kFirstGovernorFault + kGovernorRuleCount <= 32);
+static_assert(kGovernorRuleCount <= 32);
 
 // Each of these faults means that a tick has no usable position or time step. The sample of such a
 // tick must not be evaluated.
@@ -86,12 +85,28 @@ inline constexpr std::uint32_t kFaultsWithoutSample = kFaultNonFiniteSample | kF
 // A tick with one of these faults keeps the state of the tick before it and commands zero force.
 inline constexpr std::uint32_t kFaultsWithoutForce = kFaultsWithoutSample | kFaultJump;
 
+// What TickRecord::body and TickRecord::material contain in place of a number.
+inline constexpr std::int32_t kNothingTouched = -1;
+inline constexpr std::int32_t kTouchUnknown = -2;  // in a recording of before the member
+
+// The bits of TickRecord::touch: an event for sounds and logs. Only the ticks in which something
+// begins or ends have one.
+//
+// A tick touches if it is in contact (TickRecord::contact) and has none of kFaultsWithoutForce. A
+// touch begins in a tick that touches and that is the first one or follows a tick that does not
+// touch; it ends in a tick that does not touch and follows one that does. Therefore both alternate
+// in the records of a loop, and a touch begins first. A bad sample ends a touch; it begins again in
+// the next good tick in contact. A paused session runs no tick, so that a touch lasts through a
+// pause. A change from one body to another without a tick between them changes `body` only.
+enum TouchEvent : std::uint16_t { kTouchBegan = 1u << 0, kTouchEnded = 1u << 1 };
+
 // The record of one tick. All fields describe the state before the elementary rotation of that
 // tick; only q_after and o_after describe the state after it. The struct holds plain numbers
 // without padding, so that its bytes can be copied to a file or to another program. Quaternions are
 // stored in the order w, x, y, z and rotate vectors from the scene frame to the device frame.
 //
-// HapticLoop leaves the fields marked "session" at 0; HapticSession sets them.
+// HapticLoop leaves the fields marked "session" at 0; HapticSession sets them, `rules` by its
+// governor.
 struct TickRecord {
   std::uint64_t tick = 0;
   double time_s = 0.0;           // the sum of all valid dt after the first tick
@@ -115,9 +130,22 @@ struct TickRecord {
   std::uint32_t iterations = 0;  // number of solver steps
   std::uint16_t contact = 0;     // 1 in contact, else 0
   FrictionState friction = FrictionState::kNone;  // of the contact, in this tick
+  std::uint32_t rules = 0;                        // session: GovernorRule bits
+  // What is touched: the body (an index into the world's bodies, which are Scene::objects()) and
+  // the material (an index into Scene::materials()) of the contact that bears the largest share of
+  // the lag from the goal to the proxy (bearing_parts in haptics/proxy/plane_projection.h). Of
+  // equal shares, the one with the lowest body counts, then the one with the lowest material.
+  // Scene::body_name() and material_name() turn both into names. kNothingTouched: the tick does not
+  // touch (TouchEvent), no face holds the proxy in a capped tick, or the face has no material.
+  std::int32_t body = kNothingTouched;
+  std::int32_t material = kNothingTouched;
+  // The number of contacts, which are the faces that hold the proxy: at most 3. 0 if `body` is
+  // kNothingTouched.
+  std::uint16_t contacts = 0;
+  std::uint16_t touch = 0;  // TouchEvent bits
 };
 
-enum class FieldType : std::uint8_t { kUint64, kInt64, kDouble, kUint32, kUint16 };
+enum class FieldType : std::uint8_t { kUint64, kInt64, kDouble, kUint32, kUint16, kInt32 };
 
 // Describes one member of TickRecord to code that writes, reads or displays records.
 struct RecordField {
@@ -129,7 +157,7 @@ struct RecordField {
   std::size_t offset;      // in bytes
   // The column's name in a trace; a vector's columns append "_x", "_y", "_z" (and "_w") to it.
   std::string_view column;
-  bool is_of_session;  // HapticLoop leaves the member at 0
+  bool is_of_session;  // measured by a clock of HapticSession; HapticLoop leaves the member at 0
   std::size_t bytes;   // size of the member
 };
 
@@ -141,6 +169,7 @@ constexpr FieldType type_of() {
   if constexpr (std::is_same_v<Number, std::uint64_t>) return FieldType::kUint64;
   if constexpr (std::is_same_v<Number, std::int64_t>) return FieldType::kInt64;
   if constexpr (std::is_same_v<Number, std::uint32_t>) return FieldType::kUint32;
+  if constexpr (std::is_same_v<Number, std::int32_t>) return FieldType::kInt32;
   if constexpr (sizeof(Number) == sizeof(std::uint16_t)) return FieldType::kUint16;
 }
 
@@ -181,6 +210,11 @@ inline constexpr std::array kRecordFields = {
     PALPATE_FIELD(iterations, "1", "", PALPATE_AT(iterations), "iterations"),
     PALPATE_FIELD(contact, "1", "", PALPATE_AT(contact), "contact"),
     PALPATE_FIELD(friction, "1", "", PALPATE_AT(friction), "friction"),
+    PALPATE_FIELD(rules, "1", "", PALPATE_AT(rules), "rules"),
+    PALPATE_FIELD(body, "1", "", PALPATE_AT(body), "body"),
+    PALPATE_FIELD(material, "1", "", PALPATE_AT(material), "material"),
+    PALPATE_FIELD(contacts, "1", "", PALPATE_AT(contacts), "contacts"),
+    PALPATE_FIELD(touch, "1", "", PALPATE_AT(touch), "touch"),
 };
 #undef PALPATE_FIELD
 #undef PALPATE_AT
@@ -200,7 +234,7 @@ constexpr bool covers_record() {
 }  // namespace record_table
 
 static_assert(record_table::covers_record());
-static_assert(sizeof(TickRecord) <= 320 && alignof(TickRecord) == 8);
+static_assert(sizeof(TickRecord) == 336 && alignof(TickRecord) == 8);
 static_assert(std::is_trivially_copyable_v<TickRecord> && std::is_standard_layout_v<TickRecord>);
 
 }  // namespace palpate

@@ -356,10 +356,10 @@ TEST(StrategyMeasures, DriftIsTheWayOfASceneThatDoesNotTurn) {
 
 TEST(StrategyMeasures, CountsTicksInWhichTheGovernorActedOnTheForce) {
   std::vector<TickRecord> ticks(8, tick(0, 0, true));
-  ticks[1].faults = kRuleClamp;
-  ticks[2].faults = kRuleClamp | kRuleMotors;
-  ticks[3].faults = kRuleTripped;
-  ticks[4].faults = kRuleOrder;
+  ticks[1].rules = kRuleClamp;
+  ticks[2].rules = kRuleClamp | kRuleMotors;
+  ticks[3].rules = kRuleTripped;
+  ticks[4].rules = kRuleOrder;
   ticks[5].faults = kFaultSolverCapped;
   EXPECT_EQ(measured(ticks)[kGovernorShare], 3.0 / 8.0);
 }

@@ -168,7 +168,7 @@ def strategy_measures(ticks, plan, first, last):
         if not contact[i] or i == last:
             works.append(of_contact.value())
             of_contact = Sum()
-    governed = sum("governor" in names for names in ticks.texts("faults")[first:])
+    governed = sum(names != "" for names in ticks.texts("rules")[first:])
     exact = {"empty_turns": turns(contact[first:], [r != 0 for r in ticks.numbers("rotation_deg")[first:]],
                                   round(0.1 * plan["device"]["rate_Hz"]))}
     count = last - first + 1

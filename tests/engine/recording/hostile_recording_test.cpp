@@ -313,7 +313,7 @@ TEST(HostileRecording, WithOtherTablesViewsOrTriggersIsRefused) {
       "UPDATE sqlite_schema SET rootpage = 1 WHERE name = 'block'",
       "UPDATE sqlite_schema SET rootpage = 999999 WHERE name = 'block'",
       "UPDATE sqlite_schema SET sql = 'garbage(' WHERE name = 'meta'",
-      "PRAGMA user_version = 2",
+      "PRAGMA user_version = 3",
       "PRAGMA application_id = 7",
   };
   for (const char* attack : attacks) {

@@ -36,7 +36,7 @@ constexpr double kGovernedTick_s = 1e-3;
 constexpr int kRampTicks = 5 + 100 + 499;
 
 std::uint32_t rules_of(const TickRecord& record) {
-  return record.faults >> kFirstGovernorFault;
+  return record.rules;
 }
 
 bool same_bits(const Vec3& a, const Vec3& b) {

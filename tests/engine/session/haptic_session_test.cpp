@@ -263,6 +263,7 @@ TEST(HapticSession, StartsTheMotorsOnlyWithACalmHandAndThenGivesTheForceOfTheLoo
   EXPECT_GT(record.full_force_device_N[2], 1.9);
   EXPECT_EQ(rig.device.force_N, vec3(record.full_force_device_N));
   EXPECT_EQ(record.faults, kFaultNone);
+  EXPECT_EQ(record.rules, 0u);
 }
 
 TEST(HapticSession, LimitsTheForceToTheUsersLimit) {
@@ -326,7 +327,7 @@ TEST(HapticSession, TakesTheMotorsOfADeviceThatTurnsThem) {
     const Vec3 full_N = vec3(record.full_force_device_N);
     EXPECT_LE((rig.device.force_N - direction.dot(full_N) * direction).norm(), 1e-12);
     // The loop that keeps its three axes leaves the rest to the governor.
-    EXPECT_EQ((record.faults & kRuleMotors) != 0, !takes);
+    EXPECT_EQ((record.rules & kRuleMotors) != 0, !takes);
     EXPECT_NEAR(record.alpha_rad, takes ? std::acos(0.8) : 0.0, 1e-12);
   }
 }

@@ -148,7 +148,7 @@ TEST_F(TraceFile, HasTheColumnsInTheirOrderAndNewOnesLast) {
   row.alpha_rad = std::numbers::pi / 2;
   put(ScenePose{Quat(20, 21, 22, 23), {24, 25, 26}}, row.q_before_wxyz, row.o_before_m);
   row.friction = FrictionState::kSlides;
-  row.faults = kFaultSolverCapped | kFaultBodyHeld | 1u << 17;
+  row.faults = kFaultSolverCapped | kFaultBodyHeld | 1u << 15;
   row.step_ns = 27;
   put(Vec3(28, 29, 30), row.full_force_device_N);
   put(ScenePose{Quat(31, 32, 33, 34), {35, 36, 37}}, row.q_after_wxyz, row.o_after_m);
@@ -156,6 +156,11 @@ TEST_F(TraceFile, HasTheColumnsInTheirOrderAndNewOnesLast) {
   row.effects = 3;
   row.iterations = 39;
   row.late_ns = -40;
+  row.rules = kRuleMotors | kRuleTripped | 1u << 31;
+  row.body = 41;
+  row.material = kNothingTouched;
+  row.contacts = 2;
+  row.touch = kTouchBegan;
   const std::string effects =
       std::string(compiled_effects()[0].name) + "+" + std::string(compiled_effects()[1].name);
   EXPECT_EQ(write({row}),
@@ -163,11 +168,26 @@ TEST_F(TraceFile, HasTheColumnsInTheirOrderAndNewOnesLast) {
             "normal_x,normal_y,normal_z,force_x,force_y,force_z,contact,alpha_deg,"
             "q_w,q_x,q_y,q_z,o_x,o_y,o_z,friction,faults,step_ns,"
             "full_force_x,full_force_y,full_force_z,q_after_w,q_after_x,q_after_y,q_after_z,"
-            "o_after_x,o_after_y,o_after_z,rotation_deg,effects,iterations,late_ns\n"
+            "o_after_x,o_after_y,o_after_z,rotation_deg,effects,iterations,late_ns,"
+            "rules,body,material,contacts,touch\n"
             "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,1,90,20,21,22,23,24,25,26,"
-            "slides,solver_capped+body_held+governor_motors,27,"
+            "slides,solver_capped+body_held+bit_15,27,"
             "28,29,30,31,32,33,34,35,36,37,180," +
-                effects + ",39,-40\n");
+                effects + ",39,-40,motors+tripped+bit_31,41,-1,2,began\n");
+}
+
+TEST_F(TraceFile, SaysWhenATouchEndsAndLeavesOutWhatIsUnknown) {
+  TickRecord ended;
+  ended.touch = kTouchEnded;
+  TickRecord unknown;  // of a recording of version 1
+  unknown.body = unknown.material = kTouchUnknown;
+  std::istringstream lines(write({ended, unknown}));
+  std::string line;
+  std::getline(lines, line);
+  std::getline(lines, line);
+  EXPECT_TRUE(line.ends_with(",0,0,,-1,-1,0,ended")) << line;
+  std::getline(lines, line);
+  EXPECT_TRUE(line.ends_with(",0,0,,,,,")) << line;
 }
 
 TEST_F(TraceFile, GivesEveryDoubleBackToTheBit) {
@@ -183,7 +203,7 @@ TEST_F(TraceFile, GivesEveryDoubleBackToTheBit) {
     auto expected = values_of(row);
     expected[kAngleColumn] = row.alpha_rad * 180.0 / std::numbers::pi;
     const auto later = later_values_of(row);
-    ASSERT_EQ(fields.size(), expected.size() + 3 + later.size() + 4);
+    ASSERT_EQ(fields.size(), expected.size() + 3 + later.size() + 8);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       ASSERT_EQ(bits(number_of(fields[i])), bits(expected[i])) << fields[i];
     }
@@ -191,7 +211,7 @@ TEST_F(TraceFile, GivesEveryDoubleBackToTheBit) {
     for (std::size_t i = 0; i < later.size(); ++i) {
       ASSERT_EQ(bits(number_of(fields[29 + i])), bits(later[i])) << fields[29 + i];
     }
-    ASSERT_EQ(fields.back(), std::to_string(row.late_ns));
+    ASSERT_EQ(fields[42], std::to_string(row.late_ns));
   }
   EXPECT_FALSE(std::getline(lines, line));
 }
@@ -209,7 +229,7 @@ TEST_F(TraceFile, WritesSeventeenDigitsAndTheExtremes) {
   put(Vec3::Constant(kInfinity), row.force_device_N);
   row.step_ns = std::numeric_limits<std::int64_t>::min();
   const auto fields = split(write({row}).substr(trace_columns().size() + 1));
-  ASSERT_EQ(fields.size(), 43u);
+  ASSERT_EQ(fields.size(), 47u) << "and an empty one at the end";
   EXPECT_EQ(fields[0], "18446744073709551615");
   EXPECT_EQ(fields[1], "0.10000000000000001");
   EXPECT_EQ(fields[2], "-inf");
@@ -248,7 +268,7 @@ TEST_F(TraceFile, HoldsEveryRowOfATraceLargerThanTheBuffer) {
   for (std::uint64_t i = 0; i < kRows; ++i) {
     ASSERT_TRUE(std::getline(lines, line));
     ASSERT_TRUE(line.starts_with(std::to_string(i) + ",")) << line;
-    ASSERT_TRUE(line.ends_with("," + std::to_string(rows[i].late_ns))) << line;
+    ASSERT_TRUE(line.ends_with("," + std::to_string(rows[i].late_ns) + ",,-1,-1,0,")) << line;
   }
   EXPECT_FALSE(std::getline(lines, line));
 }

@@ -148,7 +148,8 @@ TEST(LiveSettings, ApplyInTheNextTickAllAtOnce) {
     const TickRecord& record = rig.records.all[n];
     ASSERT_EQ(record.rotation_rad, 0.0);
     ASSERT_EQ(vec3(record.force_device_N), vec3(record.full_force_device_N)) << "tick " << n;
-    ASSERT_EQ(record.faults, 0u) << "the governor dropped what its motors cannot push";
+    ASSERT_EQ(record.faults, 0u);
+    ASSERT_EQ(record.rules, 0u) << "the governor dropped what its motors cannot push";
     pressed += record.contact;
   }
   EXPECT_GT(pressed, 100);
@@ -251,6 +252,7 @@ TEST(LiveSettings, MotorsFollowTheAxesFromTickToTick) {
     // Two roundings of the axis and of its products.
     ASSERT_LE((force_N - full_N.dot(axis) * axis).norm(), 0x1p-49 * full_N.norm());
     ASSERT_EQ(record.faults, 0u);
+    ASSERT_EQ(record.rules, 0u);
     pressed += record.contact;
   }
   EXPECT_GT(pressed, 100);

@@ -66,6 +66,10 @@ TickRecord numbered_record() {
   record.iterations = 4;
   record.contact = 1;
   record.friction = FrictionState::kSlides;
+  record.rules = kRuleMotors | kRuleTripped;
+  record.body = 70000;
+  record.contacts = 3;
+  record.touch = kTouchBegan;
   return record;
 }
 
@@ -80,11 +84,14 @@ TEST(ViewMessages, StateHasTheDocumentedLayout) {
   std::string bytes = "old";
   state.axis_count = 2;
   state.axes = {{{0, 1, 0}, {0, 0, -1}, {1, 0, 0}}};
+  state.body_name = "a wall";
+  const std::string long_name(300, 'w');
+  state.material_name = long_name;
   encode_state(state, bodies, 12.5, bytes);
   constexpr std::size_t kHead = 136;
-  ASSERT_EQ(bytes.size(), kHead + sizeof(TickRecord) + 2 * 64);
+  ASSERT_EQ(bytes.size(), kHead + sizeof(TickRecord) + 2 * 64 + 6 + 256);
   EXPECT_EQ(whole(bytes, 0, 2), 1u);
-  EXPECT_EQ(whole(bytes, 2, 2), 2u);
+  EXPECT_EQ(whole(bytes, 2, 2), 3u);
   EXPECT_EQ(whole(bytes, 4, 4), 5u);
   EXPECT_EQ(whole(bytes, 8, 8), 9u);
   EXPECT_EQ(real64(bytes, 16), 0.1);
@@ -93,6 +100,9 @@ TEST(ViewMessages, StateHasTheDocumentedLayout) {
   EXPECT_EQ(whole(bytes, 48, 4), sizeof(TickRecord));
   EXPECT_EQ(whole(bytes, 52, 4), 2u);
   EXPECT_EQ(whole(bytes, 56, 4), 2u);
+  EXPECT_EQ(whole(bytes, 60, 2), 6u);
+  EXPECT_EQ(whole(bytes, 62, 2), 256u);
+  EXPECT_EQ(bytes.substr(kHead + sizeof(TickRecord) + 2 * 64), "a wall" + long_name.substr(0, 256));
   EXPECT_EQ(real64(bytes, 64 + 8), 1.0);
   EXPECT_EQ(real64(bytes, 64 + 24 + 16), -1.0);
   EXPECT_EQ(real64(bytes, 64 + 48), 1.0);
@@ -111,6 +121,11 @@ TEST(ViewMessages, StateHasTheDocumentedLayout) {
   EXPECT_EQ(static_cast<std::int64_t>(whole(bytes, at("step_ns"), 8)), -5);
   EXPECT_EQ(whole(bytes, at("faults"), 4), 0x80000001u);
   EXPECT_EQ(whole(bytes, at("contact"), 2), 1u);
+  EXPECT_EQ(whole(bytes, at("rules"), 4), 0x1002u);
+  EXPECT_EQ(whole(bytes, at("body"), 4), 70000u);
+  EXPECT_EQ(whole(bytes, at("material"), 4), 0xffffffffu);
+  EXPECT_EQ(whole(bytes, at("contacts"), 2), 3u);
+  EXPECT_EQ(whole(bytes, at("touch"), 2), 1u);
   const std::size_t second = kHead + sizeof(TickRecord) + 64;
   EXPECT_EQ(whole(bytes, second, 4), 70000u);
   EXPECT_EQ(whole(bytes, second + 4, 4), 0u);

@@ -248,6 +248,9 @@ TEST(ViewSession, SettingsReachTheRecordAndTheStatus) {
   const ViewState state = viewed.wait_for([](const ViewState& s) { return s.record.contact != 0; });
   EXPECT_EQ(vec3(state.record.force_device_N), Vec3(Vec3::Zero()));
   EXPECT_NE(vec3(state.record.full_force_device_N), Vec3(Vec3::Zero()));
+  EXPECT_EQ(state.record.body, 0);
+  EXPECT_EQ(state.body_name, scene.objects()[0].name);
+  EXPECT_EQ(state.material_name, scene.material_name(state.record.material));
 }
 
 TEST(ViewSession, HelloDescribesSceneAndDevice) {
@@ -255,7 +258,7 @@ TEST(ViewSession, HelloDescribesSceneAndDevice) {
   Viewed viewed(scene, setup_of(3, 2));
   const auto hello = nlohmann::json::parse(viewed.session->hello());
   EXPECT_EQ(hello["type"], "hello");
-  EXPECT_EQ(hello["version"], 2);
+  EXPECT_EQ(hello["version"], 3);
   EXPECT_EQ(hello["scene"]["name"], "a scene");
   std::vector<Vec3> corners_m;
   std::vector<Triangle> triangles;

@@ -66,6 +66,8 @@ void write_field(const json& values, const RecordField& field, TickRecord& recor
       return write_numbers<std::uint32_t>(values, field, record);
     case FieldType::kUint16:
       return write_numbers<std::uint16_t>(values, field, record);
+    case FieldType::kInt32:
+      return write_numbers<std::int32_t>(values, field, record);
   }
 }
 
@@ -88,6 +90,8 @@ class FixedModel final : public ViewModel {
       const auto found = fields.find(field.name);
       if (found != fields.end()) write_field(*found, field, state.record);
     }
+    state.body_name = scene_.body_name(state.record.body);
+    state.material_name = scene_.material_name(state.record.material);
     bodies_.clear();
     for (const json& body : fields.value("bodies", json::array())) {
       bodies_.push_back({body.at("body"), body.at("q"), body.at("o")});

@@ -15,7 +15,7 @@ import { Keys } from "@page/keys.ts";
 import { decodeBinary, encodePointer, type Ticks } from "@page/protocol.ts";
 import { decodeRecord, recordBytes, type TickRecord } from "@page/record.ts";
 import { Journey } from "@page/status.ts";
-import { faultsInWords } from "@page/words.ts";
+import { faultsInWords, touchedInWords } from "@page/words.ts";
 import { ViewCamera } from "@page/view_camera.ts";
 
 const kEpsilon = 2 ** -52;
@@ -72,10 +72,11 @@ test("a connection that ended says why, and names a proxy that passes no WebSock
 });
 
 test("a state is decoded at the offsets of its layout", () => {
-  const bytes = new ArrayBuffer(136 + recordBytes + 64);
+  const names = ["wall é", "wood"].map((name) => new TextEncoder().encode(name)) as [Uint8Array, Uint8Array];
+  const bytes = new ArrayBuffer(136 + recordBytes + 64 + names[0].length + names[1].length);
   const view = new DataView(bytes);
   view.setUint16(0, 1, true);
-  view.setUint16(2, 2, true);
+  view.setUint16(2, 3, true);
   view.setUint32(4, 5, true);
   view.setBigUint64(8, 12345678901n, true);
   [0.1, -0.2, 0.3].forEach((v, i) => view.setFloat64(16 + 8 * i, v, true));
@@ -87,6 +88,9 @@ test("a state is decoded at the offsets of its layout", () => {
   view.setBigUint64(136, 99n, true); // the first field of the record: tick
   view.setUint32(136 + recordBytes, 7, true);
   [1, 0, 0, 0, 4, 5, 6].forEach((v, i) => view.setFloat64(136 + recordBytes + 8 + 8 * i, v, true));
+  view.setUint16(60, names[0].length, true);
+  view.setUint16(62, names[1].length, true);
+  new Uint8Array(bytes).set([...names[0], ...names[1]], 136 + recordBytes + 64);
   const message = decodeBinary(bytes);
   assert.equal(message.kind, "state");
   if (message.kind !== "state") return;
@@ -98,13 +102,17 @@ test("a state is decoded at the offsets of its layout", () => {
   assert.deepEqual(state.axes, [[0, 1, 0], [0, 0, -1]]);
   assert.equal(state.record.tick, 99);
   assert.deepEqual(state.bodies, [{ body: 7, rotation_wxyz: [1, 0, 0, 0], position_m: [4, 5, 6] }]);
+  assert.deepEqual([state.bodyName, state.materialName], ["wall é", "wood"]);
+  assert.equal(touchedInWords(state.bodyName, state.materialName), "wall é, wood");
+  assert.equal(touchedInWords(state.bodyName, ""), "wall é");
+  assert.equal(touchedInWords("", ""), "");
 });
 
 test("a message of another version or length is refused by name", () => {
   const bytes = new ArrayBuffer(136);
   new DataView(bytes).setUint16(0, 1, true);
-  assert.throws(() => decodeBinary(bytes), /version is 0; expected 2/);
-  new DataView(bytes).setUint16(2, 2, true);
+  assert.throws(() => decodeBinary(bytes), /version is 0; expected 3/);
+  new DataView(bytes).setUint16(2, 3, true);
   assert.throws(() => decodeBinary(bytes), /state: has 136 bytes/);
   new DataView(bytes).setUint16(0, 3, true);
   assert.throws(() => decodeBinary(bytes), /kind is 3/);
@@ -116,7 +124,7 @@ test("columns of ticks are read one after another", () => {
   const bytes = new ArrayBuffer(24 + 28 * rows);
   const view = new DataView(bytes);
   view.setUint16(0, 2, true);
-  view.setUint16(2, 2, true);
+  view.setUint16(2, 3, true);
   view.setUint32(4, rows, true);
   view.setFloat64(8, 2.5, true);
   for (let i = 0; i < 7 * rows; ++i) view.setFloat32(24 + 4 * i, i, true);
@@ -132,7 +140,7 @@ test("a pointer message has the bytes of its layout", () => {
   const view = new DataView(encodePointer(258, [0.5, -1, 2], true));
   assert.equal(view.byteLength, 40);
   assert.deepEqual([view.getUint16(0, true), view.getUint16(2, true), view.getUint32(4, true)],
-                   [16, 2, 1]);
+                   [16, 3, 1]);
   assert.equal(view.getBigUint64(8, true), 258n);
   assert.deepEqual([16, 24, 32].map((at) => view.getFloat64(at, true)), [0.5, -1, 2]);
   assert.equal(new DataView(encodePointer(1, [0, 0, 0], false)).getUint32(4, true), 0);
