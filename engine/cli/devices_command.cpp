@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/devices/hapi_view.h"
 #include "engine/simulation/board_terminal.h"
 
 namespace palpate {
@@ -29,6 +31,13 @@ constexpr const char* kDrivers =
     "      counts         steps of an encoder per turn (13824)\n"
     "      angle1, angle2 angles of the joints in the rest pose, degrees (180, 0)\n"
     "      rate           messages per second (1000)\n";
+
+std::string delay_words(const DeviceDescription& device) {
+  if (device.delay_s == 0.0) return "unknown";
+  std::ostringstream text;
+  text << 1e3 * device.delay_s << " ms";
+  return text.str();
+}
 
 constexpr std::size_t kKeptCommands = 1000;
 
@@ -58,7 +67,8 @@ int DevicesCommand::run(const std::vector<std::string>&) {
     return refuse(invalid_argument("--seconds", "is given alone; expected --simulate beside it"));
   }
   if (!simulated_.empty()) return simulate();
-  std::cout << kDrivers;
+  std::cout << kDrivers << "      its delay from a sample to the force: "
+            << delay_words(hapi_description(HapiSettings{})) << "\n";
   return finish_output();
 }
 

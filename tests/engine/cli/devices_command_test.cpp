@@ -28,6 +28,7 @@ TEST(DevicesCommand, ListsTheKeysThatTheOptionAccepts) {
   const Outcome list = run_program(folder, {"devices"});
   EXPECT_EQ(list.exit_code, 0);
   EXPECT_EQ(list.err, "");
+  EXPECT_NE(list.out.find("delay from a sample to the force: unknown\n"), std::string::npos);
   // The error of an unknown key names them all.
   const std::string error = parse_device("--device", "hapi:no-such-key=1").error().to_string();
   std::string names = error.substr(error.find("one of ") + 7);
