@@ -97,9 +97,10 @@ std::vector<std::byte> frame_of(Bytes bytes) {
   return frame;
 }
 
-void decode(std::int64_t first_tick, std::int64_t ticks, Bytes columns, Bytes inputs) {
+void decode_version(int version, std::int64_t first_tick, std::int64_t ticks, Bytes columns,
+                    Bytes inputs) {
   BlockDecoder decoder;
-  const auto content = decoder.decode(first_tick, ticks, columns, inputs);
+  const auto content = decoder.decode(first_tick, ticks, columns, inputs, version);
   if (!content) return require_printable_line(content.error());
   require(first_tick >= 0 && static_cast<std::int64_t>(content->rows.size()) == ticks);
   for (const BlockInput& input : content->inputs) {
@@ -108,6 +109,12 @@ void decode(std::int64_t first_tick, std::int64_t ticks, Bytes columns, Bytes in
     const auto& facts = kInputKinds[static_cast<std::size_t>(input.input.kind)];
     require(input.input.bytes.size() >= facts.least_bytes &&
             input.input.bytes.size() <= facts.most_bytes);
+  }
+}
+
+void decode(std::int64_t first_tick, std::int64_t ticks, Bytes columns, Bytes inputs) {
+  for (int version = 1; version <= kRecordingVersion; ++version) {
+    decode_version(version, first_tick, ticks, columns, inputs);
   }
 }
 
