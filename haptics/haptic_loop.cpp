@@ -25,7 +25,7 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       god_object_(world, settings.god_object),
       coupling_(settings.coupling),
       theoretical_rotation_(actuation, settings.a4.table1, settings.a4.align),
-      touch_(world.materials.get()),
+      touch_(world),
       has_bad_settings_(check_settings(world, settings).has_value()),
       world_extent_m_(world_extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
@@ -64,8 +64,7 @@ const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept
   steady_ticks_ = dt_s == last_dt_s_ ? steady_ticks_ + 1 : 0;
   move_bodies();
   (this->*step_)(dt_s);  // actions 2 to 6: haptic_loop_steps.h
-  touch_.complete(god_object_.contact(),
-                  proxy_state_.proxy - world_->to_solver(view(record_.goal_scene_m)), record_);
+  touch_.complete(god_object_, record_);
   last_was_good_ = true;
   last_dt_s_ = dt_s;
   ++good_ticks_;

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-// Of no contact or several. The shares are computed only if they decide something: an edge mostly
+// The shares are computed only if they decide something: an edge mostly
 // lies between faces of one body and one material.
 void TouchState::name_largest(const ContactView& contact, const Vec3& lag_m,
                               TickRecord& record) const noexcept {
@@ -24,7 +24,7 @@ void TouchState::name_largest(const ContactView& contact, const Vec3& lag_m,
   bool are_equal = true;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const FaceRef& face = contacts[i].face;
-    names[i] = {static_cast<std::int32_t>(face.body), material_of(contact.world(), face)};
+    names[i] = {static_cast<std::int32_t>(face.body), material_of(face)};
     are_equal = are_equal && names[i] == names[0];
   }
   std::size_t largest = 0;

@@ -409,8 +409,7 @@ class GivenContacts : public testing::Test {
   }
 
   // bodies: of the contacts, whose normals are A1, A2 and A3.
-  TickRecord touched(TouchState& touch, const std::vector<std::uint32_t>& bodies,
-                     const Vec3& lag_m) {
+  TickRecord named(const std::vector<std::uint32_t>& bodies, const Vec3& lag_m) {
     std::vector<FaceContact> contacts;
     std::vector<ContactPlane> planes;
     std::array<int, 3> plane_of_contact{};
@@ -421,13 +420,10 @@ class GivenContacts : public testing::Test {
       plane_of_contact[i] = static_cast<int>(i);
     }
     TickRecord record;
-    record.contact = 1;
-    touch.complete(ContactView(*live_, contacts, planes, plane_of_contact), lag_m, record);
+    record.body = record.material = 99;
+    TouchState(world_).name_largest(ContactView(*live_, contacts, planes, plane_of_contact), lag_m,
+                                    record);
     return record;
-  }
-  TickRecord named(const std::vector<std::uint32_t>& bodies, const Vec3& lag_m) {
-    TouchState touch(world_.materials.get());
-    return touched(touch, bodies, lag_m);
   }
 
   std::optional<test::OwnedWorld> owned_;
@@ -453,27 +449,18 @@ TEST_F(GivenContacts, OfEqualSharesTheLowestBodyCounts) {
   EXPECT_EQ(named({2, 1, 0}, {2, 2, 1}).body, 1);
 }
 
-TEST_F(GivenContacts, ATickWithoutContactsTouchesNothingThatHasAName) {
+TEST_F(GivenContacts, ATickWithoutContactsNamesNothing) {
   const TickRecord record = named({}, {1, 0, 0});
-  EXPECT_EQ(record.touch, kTouchBegan);
   EXPECT_EQ(record.body, kNothingTouched);
   EXPECT_EQ(record.material, kNothingTouched);
   EXPECT_EQ(record.contacts, 0);
 }
 
 TEST_F(GivenContacts, AWorldWithoutMaterialsNamesTheBodyAlone) {
-  TouchState touch(nullptr);
-  const TickRecord record = touched(touch, {1}, {1, 0, 0});
+  world_.materials = nullptr;
+  const TickRecord record = named({1, 0}, {1, 0, 0});
   EXPECT_EQ(record.body, 1);
   EXPECT_EQ(record.material, kNothingTouched);
-}
-
-TEST_F(GivenContacts, AChangeOfTheBodyIsNoEvent) {
-  TouchState touch(world_.materials.get());
-  EXPECT_EQ(touched(touch, {0}, {1, 0, 0}).touch, kTouchBegan);
-  const TickRecord other = touched(touch, {1}, {1, 0, 0});
-  EXPECT_EQ(other.touch, 0);
-  EXPECT_EQ(other.body, 1);
 }
 
 // The hand above, in and above a plate.
