@@ -31,6 +31,10 @@ std::optional<Error> SceneCompiler::take_places() {
                                   2 * sizeof(std::uint32_t) + sizeof(ContactBody);
   MemoryNeed need;
   for (const NodeDescription& node : nodes) need.kept += kKept + text_bytes(node.name);
+  // The materials of faces, in vectors that may have twice the capacity that they need.
+  for (const MeshDescription& mesh : description_.meshes) {
+    need.kept += 2 * sizeof(FaceMaterialRun) * (mesh.material_runs.size() + 2);
+  }
   need.peak = need.kept + nodes.size() * sizeof(NodePlacement);
   if (nodes.size() > kFewBodies) need = need + BoxTree::memory_need(nodes.size());
   ledger_.begin("placing nodes", std::to_string(nodes.size()) + " nodes");
@@ -146,7 +150,6 @@ void SceneCompiler::add_bodies() {
   }
 }
 
-// The runs of a mesh take less memory than those of its description, which is freed.
 void SceneCompiler::add_face_materials() {
   auto materials = std::make_shared<FaceMaterials>();
   materials->reserve(scene_.objects_.size());

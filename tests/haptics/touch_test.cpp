@@ -62,6 +62,15 @@ TouchScene made_scene(SeededRandom& random, double radius_m) {
     const Vec3 half_m(random.uniform(0.005, 0.02), random.uniform(0.005, 0.02),
                       random.uniform(0.005, 0.02));
     test::Soup soup = test::box_soup(half_m);
+    if (random.index(2) == 0) {  // concave: two of its own faces can hold the proxy
+      const Vec3 shift_m = random.in_box(0.015);
+      const test::Soup other = test::box_soup(half_m);
+      const auto first = static_cast<std::uint32_t>(soup.positions.size());
+      for (const Vec3& p : other.positions) soup.positions.push_back(p + shift_m);
+      for (const Triangle& t : other.triangles) {
+        soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+      }
+    }
     MeshDescription mesh{"box", std::move(soup.positions), std::move(soup.triangles)};
     std::uint32_t next = random.index(4) == 0 ? 2 : 0;  // faces without a material come first
     for (; next < mesh.triangles.size(); next += 1 + static_cast<std::uint32_t>(random.index(6))) {
@@ -252,7 +261,7 @@ class TouchHand {
 class RandomTouches {
  public:
   RandomTouches(std::uint64_t seed, Tally& tally)
-      : random_(seed), tally_(tally), radius_m_(random_.index(2) * 0.003), hand_(random_) {}
+      : random_(seed), tally_(tally), radius_m_(random_.index(2) == 0 ? 0.0 : 0.003), hand_(random_) {}
 
   void run(int ticks) {
     const TouchScene touched = made_scene(random_, radius_m_);
@@ -391,31 +400,36 @@ TEST(Touch, NamesTheContactThatBearsMostInRandomScenes) {
   RecordProperty("changed", static_cast<int>(tally.changed));
 }
 
-// Contacts with given faces and normals, in a world of three bodies of one triangle each.
+// Contacts with given faces and normals, in a world of four bodies. Each has two triangles, which
+// have two materials in the last body.
 class GivenContacts : public testing::Test {
  protected:
   GivenContacts() {
     test::Soup soup;
     soup.add({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    soup.add({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
     owned_.emplace(soup);
     world_ = owned_->world();
     auto materials = std::make_shared<FaceMaterials>();
     for (const std::int32_t m : {7, 5, -1}) {
       materials->add_body(materials->add_surface({{0, m}}));
     }
-    world_.bodies = {world_.bodies[0], world_.bodies[0], world_.bodies[0]};
+    materials->add_body(materials->add_surface({{0, 3}, {1, 4}}));
+    world_.bodies.assign(4, world_.bodies[0]);
     world_.materials = materials;
     live_.emplace(world_);
   }
 
   // bodies: of the contacts, whose normals are A1, A2 and A3.
-  TickRecord named(const std::vector<std::uint32_t>& bodies, const Vec3& lag_m) {
+  TickRecord named(const std::vector<std::uint32_t>& bodies, const Vec3& lag_m,
+                   const std::array<std::uint32_t, 3>& slots = {}) {
     std::vector<FaceContact> contacts;
     std::vector<ContactPlane> planes;
     std::array<int, 3> plane_of_contact{};
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const Vec3 normal = Vec3::Unit(static_cast<int>(i));
-      contacts.push_back({{bodies[i], 0}, normal, 0.0, TriangleFeature::kFace, Vec3::Zero()});
+      contacts.push_back(
+          {{bodies[i], slots[i]}, normal, 0.0, TriangleFeature::kFace, Vec3::Zero()});
       planes.push_back({normal, 0.0});
       plane_of_contact[i] = static_cast<int>(i);
     }
@@ -440,6 +454,17 @@ TEST_F(GivenContacts, TheLargestShareNamesBodyAndMaterial) {
   EXPECT_EQ(named({0, 1, 2}, {1, 2, 3}).material, kNothingTouched);
   EXPECT_EQ(named({0, 1, 2}, {1, 2, 3}).contacts, 3);
   EXPECT_EQ(named({0, 1}, {-9, 1, 0}).body, 1) << "a normal bears no pull";
+}
+
+TEST_F(GivenContacts, OfOneBodyTheLargestShareNamesTheMaterial) {
+  const auto material_of = [&](std::uint32_t slot) {
+    return owned_->index().face(slot) == 0 ? 3 : 4;
+  };
+  ASSERT_NE(material_of(0), material_of(1));
+  EXPECT_EQ(named({3, 3}, {3, 2, 0}, {0, 1}).material, material_of(0));
+  EXPECT_EQ(named({3, 3}, {2, 3, 0}, {0, 1}).material, material_of(1));
+  EXPECT_EQ(named({3, 3}, {2, 3, 0}, {1, 0}).material, material_of(0));
+  EXPECT_EQ(named({3, 3}, {2, 2, 0}, {0, 1}).material, 3) << "the lowest of equal shares";
 }
 
 TEST_F(GivenContacts, OfEqualSharesTheLowestBodyCounts) {
