@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/rig/placed_bounds.h"
+#include "engine/rig/workspace.h"
 #include "engine/scene/felt_glb.h"
-#include "engine/simulation/placed_bounds.h"
-#include "engine/simulation/workspace.h"
 
 namespace palpate {
 namespace {
@@ -70,8 +70,7 @@ std::string_view fault_name(std::size_t bit) {
 Vec3 resting_place_m(const Scene& scene, const RunSetup& setup) {
   if (scene.objects().empty()) return Vec3::Zero();
   const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
-  const int sensors = setup.actuation.sensors();
-  const double room_m = hand_workspace(sensors, workspace_extent_m(setup.device)).room_m;
+  const double room_m = hand_workspace(setup).room_m;
   const double away_m = 0.5 * room_m + setup.haptics.god_object.radius_m;
   Vec3 place = 0.5 * (bounds.low + bounds.high);
   if (setup.actuation.is_planar()) {
