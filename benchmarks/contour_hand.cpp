@@ -6,10 +6,10 @@
 #include <iterator>
 #include <numbers>
 
-#include "engine/session/run_setup.h"
+#include "engine/devices/path_device.h"
+#include "engine/rig/rig.h"
 #include "engine/simulation/plane_height.h"
 #include "engine/trials/experiment_scene.h"
-#include "haptics/haptic_loop.h"
 
 namespace palpate::bench {
 namespace {
@@ -61,10 +61,11 @@ Result<ContourAngle> angle_round(const Scene& scene, const Contour& contour_m,
   RunSetup setup = turned_setup(*made, round.start_orientation_deg);
   setup.haptics.plane_height_m =
       height_with_contour_m(scene, setup.haptics.initial_pose).value_or(0.0);
-  if (auto error = check_setup(scene, setup)) return *error;
-
   const ContourHand hand(contour_m);
-  HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
+  PathDevice no_device({});
+  const auto rig = Rig::create(scene, setup, no_device);
+  if (!rig) return rig.error();
+  HapticLoop& loop = (*rig)->loop();
   const auto tick = [&](const Point2& goal_m) -> const TickRecord& {
     const Vec3 goal_scene_m(goal_m.x(), goal_m.y(), setup.haptics.plane_height_m);
     return loop.tick(loop.T_device_scene().point(goal_scene_m), setup.dt_s);

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -15,7 +16,8 @@
 #include "benchmarks/sphere.h"
 #include "benchmarks/trajectories.h"
 #include "engine/accuracy/effect_cases.h"
-#include "haptics/haptic_loop.h"
+#include "engine/devices/path_device.h"
+#include "engine/rig/rig.h"
 
 namespace palpate::bench {
 namespace {
@@ -39,15 +41,13 @@ std::vector<EffectCase> effect_cases() {
 class Slider {
  public:
   Slider(const Scene& scene, const DevicePath& path)
-      : world_(scene.world()), path_(path), actuation_(*ActuationModel::from_counts(3, 3)) {
-    settings_.a4.enabled = false;
-  }
+      : scene_(scene), path_(path), setup_(*make_setup({})) {}
 
   void begin() {
-    loop_.emplace(world_, actuation_, settings_);
-    for (const Vec3& p_m : path_.lead_in_m) loop_->tick(p_m, kDt_s);
+    rig_ = std::move(*Rig::create(scene_, setup_, no_device_));
+    for (const Vec3& p_m : path_.lead_in_m) rig_->loop().tick(p_m, kDt_s);
   }
-  const TickRecord& tick(std::size_t n) { return loop_->tick(path_.timed_m[n], kDt_s); }
+  const TickRecord& tick(std::size_t n) { return rig_->loop().tick(path_.timed_m[n], kDt_s); }
 
   // The duration of a whole pass.
   double pass_ns() {
@@ -59,7 +59,7 @@ class Slider {
 
   // The share of ticks in which the effect was active.
   double active_share(std::string_view effect) const {
-    const EffectCounters* counters = loop_->effect_counters();
+    const EffectCounters* counters = rig_->loop().effect_counters();
     const auto types = compiled_effects();
     for (std::size_t i = 0; counters && i < types.size(); ++i) {
       if (types[i].name != effect) continue;
@@ -70,11 +70,11 @@ class Slider {
   }
 
  private:
-  const ContactWorld& world_;
+  const Scene& scene_;
   const DevicePath& path_;
-  ActuationModel actuation_;
-  HapticSettings settings_;
-  std::optional<HapticLoop> loop_;
+  RunSetup setup_;  // a point, three actuators, no A4
+  PathDevice no_device_{{}};
+  std::unique_ptr<Rig> rig_;
 };
 
 void run(benchmark::State& state, const EffectCase& effect_case, int subdivisions,

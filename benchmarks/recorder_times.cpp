@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <time.h>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "engine/devices/vector_device.h"
 #include "engine/recording/recorder.h"
 #include "engine/recording/recording_settings.h"
+#include "engine/rig/rig.h"
 #include "engine/session/haptic_thread.h"
 
 namespace palpate {
@@ -61,13 +63,18 @@ struct Bench {
     std::exit(1);
   }
 
+  std::unique_ptr<Rig> rig_of(Device& device, TickSink* sink) const {
+    const RunSetup run{setup.actuation, setup.haptics, setup.dt_s, {}};
+    return std::move(*Rig::create(scene, run, device, {.sink = sink}));
+  }
+
   // Mean processor time of a tick of a session, ns, over ticks that the rings can hold.
   double tick_ns(bool records) const {
     constexpr int kTicks = 6'000;
     auto sink = records ? recorder(1000.0) : nullptr;
     Circler device(radius_m);
-    HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
-    HapticSession session(loop, device, {.sink = sink.get()});
+    const auto rig = rig_of(device, sink.get());
+    HapticSession& session = rig->session();
     session.start();
     for (int n = 0; n < 1'000; ++n) session.tick(setup.dt_s);
     const double begin_s = cpu_s(CLOCK_THREAD_CPUTIME_ID);
@@ -82,8 +89,8 @@ struct Bench {
   ordered_json run(bool records, double rate_Hz, double seconds) const {
     auto sink = records ? recorder(rate_Hz) : nullptr;
     Circler device(radius_m);
-    HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
-    HapticSession session(loop, device, {.sink = sink.get()});
+    const auto rig = rig_of(device, sink.get());
+    HapticSession& session = rig->session();
     const auto ticks = static_cast<std::uint64_t>(rate_Hz * seconds);
     const double before_s = cpu_s(CLOCK_PROCESS_CPUTIME_ID);
     HapticThread thread(session, {rate_Hz, ticks});

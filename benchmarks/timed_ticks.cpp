@@ -1,8 +1,11 @@
 #include "benchmarks/timed_ticks.h"
 
-#include <optional>
+#include <memory>
+#include <utility>
 
 #include "benchmarks/trajectories.h"
+#include "engine/devices/path_device.h"
+#include "engine/rig/rig.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate::bench {
@@ -21,27 +24,30 @@ void add(const TickRecord& record, Tally& tally) {
 Tally time_ticks(benchmark::State& state, const ContactWorld& world,
                  const ActuationModel& actuation, const HapticSettings& settings,
                  const DevicePath& path, Caches caches) {
-  std::optional<HapticLoop> loop;
+  const RunSetup setup{actuation, settings, kDt_s, {}};
+  PathDevice no_device({});
+  std::unique_ptr<Rig> rig;
   const TickRecord* record = nullptr;
   Vec3 next_device_m;
   Vec3 p_device_m;
   Tally tally;
   // Computed before the caches are evicted, because it reads the pose of the loop.
   const auto aim = [&](const Vec3& p_scene_m) {
-    next_device_m = loop->T_device_scene().point(p_scene_m);
+    next_device_m = rig->loop().T_device_scene().point(p_scene_m);
   };
   time_path(
       state, {path.timed_m.size(), caches},
       [&] {
-        loop.emplace(world, actuation, settings);
+        auto made = Rig::create(world, setup, no_device);
+        rig = std::move(*made);
         for (const Vec3& p_scene_m : path.lead_in_m) {
           aim(p_scene_m);
-          loop->tick(next_device_m, kDt_s);
+          rig->loop().tick(next_device_m, kDt_s);
         }
         aim(path.timed_m.front());
       },
       [&](std::size_t) { p_device_m = next_device_m; },
-      [&](std::size_t) { record = &loop->tick(p_device_m, kDt_s); },
+      [&](std::size_t) { record = &rig->loop().tick(p_device_m, kDt_s); },
       [&](std::size_t n) {
         add(*record, tally);
         if (tally.proxies_scene_m.size() < path.timed_m.size()) {

@@ -30,8 +30,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/session/haptic_session.h"
-#include "engine/session/material_tuner.h"
+#include "engine/rig/rig.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/viewer/held_device.h"
 #include "engine/viewer/live_settings.h"
@@ -279,15 +278,14 @@ class TickPair {
   struct Side {
     Side(const Scene& scene, const RunSetup& setup, bool is_viewed)
         : plan(resting_place_m(scene, setup)),
-          tuner(scene),
           live(scene, setup),
-          simulated(plant(setup), plan, resting_place_m(scene, setup), setup.haptics.initial_pose,
-                    setup.actuation.is_planar()),
+          simulated(device_in_hand(plant(setup), setup, plan, resting_place_m(scene, setup))),
           held(simulated, live),
-          loop(scene.world(), setup.actuation, setup.haptics),
-          publisher(loop, &plan, 0),
-          session(loop, is_viewed ? static_cast<Device&>(held) : simulated, parts(is_viewed)) {
-      session.start();
+          rig(rig_of(scene, setup, is_viewed)),
+          publisher(rig->loop(), &plan, 0) {
+      if (is_viewed) rig->session().observe(publisher);
+      rig->session().observe(simulated);
+      rig->session().start();
     }
     static PlantSettings plant(const RunSetup& setup) {
       PlantSettings settings;
@@ -295,19 +293,17 @@ class TickPair {
       settings.intention_noise_m = 0.0;
       return settings;
     }
-    SessionParts parts(bool is_viewed) {
-      if (!is_viewed) return {.observers = {&simulated}};
-      return {.changes = {&tuner, &live}, .observers = {&publisher, &simulated}};
+    std::unique_ptr<Rig> rig_of(const Scene& scene, const RunSetup& setup, bool is_viewed) {
+      if (!is_viewed) return std::move(*Rig::create(scene, setup, simulated));
+      return std::move(*Rig::create(scene, setup, held, {.changes = {&live}, .has_tuner = true}));
     }
 
     PointerPlan plan;
-    MaterialTuner tuner;
     LiveSettings live;
     SimulatedDevice simulated;
     HeldDevice held;
-    HapticLoop loop;
+    std::unique_ptr<Rig> rig;
     StatePublisher publisher;
-    HapticSession session;
   };
 
   double block_ns(Side& side, int n) const {
@@ -319,7 +315,7 @@ class TickPair {
     message.target_m = {target_m.x(), target_m.y(), target_m.z()};
     side.plan.point(message);
     const Clock::time_point start = Clock::now();
-    for (int i = 0; i < kTicks; ++i) side.session.tick(dt_s_);
+    for (int i = 0; i < kTicks; ++i) side.rig->session().tick(dt_s_);
     return 1e6 * ms_since(start) / kTicks;
   }
 

@@ -10,8 +10,9 @@
 #include "engine/accuracy/error_measures.h"
 #include "engine/accuracy/session_pass.h"
 #include "engine/devices/vector_device.h"
+#include "engine/rig/replay.h"
+#include "engine/rig/rig.h"
 #include "engine/session/haptic_thread.h"
-#include "engine/session/replay.h"
 #include "engine/session/start_inside.h"
 #include "engine/simulation/exploration.h"
 #include "haptics/record_vectors.h"
@@ -59,7 +60,7 @@ Result<Hand> record_hand(const Scene& scene, const RunSetup& setup, double secon
   Hand hand;
   for (const TickRecord& record : run->records) hand.path_m.push_back(vec3(record.device_m));
   // Recorded again as a replay, like the presets, so that only the presets differ.
-  Result<ReplayResult> again = replay(scene, exact, hand.path_m, 1);
+  Result<RunRecords> again = replay(scene, exact, hand.path_m, 1);
   if (!again) return again.error();
   hand.exact = std::move(again->records);
   return hand;
@@ -68,7 +69,7 @@ Result<Hand> record_hand(const Scene& scene, const RunSetup& setup, double secon
 // Sums up the results of a preset over the hands.
 class PresetTally {
  public:
-  void add(const ReplayResult& run, const Hand& hand) {
+  void add(const RunRecords& run, const Hand& hand) {
     std::vector<std::int64_t> contact_ns;
     for (std::size_t n = 0; n < run.records.size(); ++n) {
       const TickRecord& record = run.records[n];
@@ -174,14 +175,13 @@ Result<RateTrial> try_rate(const Scene& scene, const RunSetup& setup, const Hand
   const std::vector<Vec3> path_m(hand.path_m.begin() + static_cast<std::ptrdiff_t>(begin),
                                  hand.path_m.end());
   ResampledPath device(path_m, setup.dt_s);
-  HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
-  auto mover = SteadyMotions::create(scene, setup.moves);
-  if (!mover) return mover.error();
   WorstStep worst;
-  HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&worst}});
+  const auto rig = Rig::create(scene, setup, device, {.observers = {&worst}});
+  if (!rig) return rig.error();
   RateTrial trial;
   trial.rate_Hz = rate_Hz;
-  HapticThread thread(session, {rate_Hz, static_cast<std::uint64_t>(std::ceil(seconds * rate_Hz))});
+  HapticThread thread((*rig)->session(),
+                      {rate_Hz, static_cast<std::uint64_t>(std::ceil(seconds * rate_Hz))});
   realtime_note = thread.start().explanation;
   thread.join();
   trial.ticks = thread.ticks();

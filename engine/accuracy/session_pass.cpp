@@ -4,6 +4,8 @@
 #include <chrono>
 #include <vector>
 
+#include "engine/rig/rig.h"
+
 namespace palpate {
 namespace {
 
@@ -70,9 +72,12 @@ double clock_overhead_ns() {
 
 PassCost run_pass(const ContactWorld& world, const PassSetup& setup, Device& device,
                   std::span<const double> dt_s, std::size_t lead_in, const OnContact& on_contact) {
-  HapticLoop loop(world, setup.actuation, setup.haptics);
   ContactMeter meter(lead_in, on_contact);
-  HapticSession session(loop, device, {.observers = {&meter}});
+  const auto rig =
+      Rig::create(world, RunSetup{setup.actuation, setup.haptics, kAccuracyPeriod_s, {}}, device,
+                  {.observers = {&meter}});
+  if (!rig) return {.faults = kFaultBadSettings};
+  HapticSession& session = (*rig)->session();
   session.start();
   for (const double dt : dt_s) session.tick(dt);
   return meter.finish(clock_overhead_ns());

@@ -10,6 +10,8 @@
 #include "engine/accuracy/proxy_reference.h"
 #include "engine/accuracy/scene_accuracy.h"
 #include "engine/accuracy/session_pass.h"
+#include "engine/rig/replay.h"
+#include "engine/rig/rig.h"
 #include "engine/simulation/exploration.h"
 #include "haptics/record_vectors.h"
 
@@ -117,9 +119,12 @@ class Hands {
     const std::uint64_t hand = (seed - first_seed_) % kHands;
     const std::vector<Vec3>& path_m = paths_.get(hand, [&] { return path_of(first_seed_ + hand); });
     Comparison comparison(records_of_whole(hand, path_m));
-    HapticLoop loop = loop_on(scene, accuracy);
+    RunSetup setup = setup_;
+    setup.haptics.god_object.accuracy = accuracy;
     PathDevice device(path_m);
-    HapticSession session(loop, device, {.observers = {&comparison}});
+    const auto rig = Rig::create(scene, setup, device, {.observers = {&comparison}});
+    if (!rig) return {.failure = rig.error().to_string()};
+    HapticSession& session = (*rig)->session();
     session.start();
     for (std::size_t n = 0; n < path_m.size(); ++n) session.tick(setup_.dt_s);
     return comparison.finish();
@@ -128,11 +133,6 @@ class Hands {
  private:
   static constexpr std::uint64_t kHands = 7;  // 21 repeats run each hand three times
 
-  HapticLoop loop_on(const Scene& scene, const Accuracy& accuracy) const {
-    HapticSettings settings = setup_.haptics;
-    settings.god_object.accuracy = accuracy;
-    return HapticLoop(scene.world(), setup_.actuation, settings);
-  }
   // Empty if no hand can touch the scene; then no tick is in contact.
   std::vector<Vec3> path_of(std::uint64_t seed) const {
     ExplorationSettings exploration;
@@ -150,8 +150,9 @@ class Hands {
                                                   const std::vector<Vec3>& path_m) {
     auto [place, is_new] = whole_records_.try_emplace(hand);
     if (!is_new) return place->second;
-    HapticLoop loop = loop_on(*whole_, Accuracy::exact());
-    for (const Vec3& p : path_m) place->second.push_back(loop.tick(p, setup_.dt_s));
+    RunSetup exact = setup_;
+    exact.haptics.god_object.accuracy = Accuracy::exact();
+    if (auto run = replay(*whole_, exact, path_m, 1)) place->second = std::move(run->records);
     return place->second;
   }
 

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "engine/session/device_run.h"
+#include "engine/rig/device_run.h"
 
 namespace palpate {
 

@@ -16,8 +16,8 @@
 #include "engine/cli/scene_report.h"
 #include "engine/devices/light_device.h"
 #include "engine/scene/node_tree.h"
-#include "engine/simulation/placed_bounds.h"
-#include "engine/simulation/workspace.h"
+#include "engine/rig/placed_bounds.h"
+#include "engine/rig/workspace.h"
 #include "io/gltf/reader.h"
 
 namespace palpate {

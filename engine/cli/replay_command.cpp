@@ -26,7 +26,7 @@
 #include "engine/cli/trajectory_report.h"
 #include "engine/recording/recording_reader.h"
 #include "engine/scene/memory_budget.h"
-#include "engine/session/replay.h"
+#include "engine/rig/replay.h"
 #include "engine/session/trace_csv.h"
 
 namespace palpate {
@@ -39,7 +39,7 @@ class ReplayCommand final : public Command {
 
  private:
   int replay_recording();
-  Result<ReplayResult> replay_with_progress(const Scene& scene, const RunSetup& setup,
+  Result<RunRecords> replay_with_progress(const Scene& scene, const RunSetup& setup,
                                             const PlayedPath& path) const;
   std::optional<Error> write_trace_with_progress(const std::vector<TickRecord>& records) const;
 
@@ -125,7 +125,7 @@ int ReplayCommand::replay_recording() {
   return replay_recorded(request);
 }
 
-Result<ReplayResult> ReplayCommand::replay_with_progress(const Scene& scene, const RunSetup& setup,
+Result<RunRecords> ReplayCommand::replay_with_progress(const Scene& scene, const RunSetup& setup,
                                                          const PlayedPath& path) const {
   ProgressBar bar("replay");
   const auto show = [&bar](double share) { bar.show(share); };
@@ -170,7 +170,7 @@ int ReplayCommand::run(const std::vector<std::string>&) {
   if (!setup) return refuse(setup.error());
   const Result<Scene> scene = load_scene(scene_, options_.settings);
   if (!scene) return refuse(scene.error());
-  const Result<ReplayResult> result = replay_with_progress(*scene, *setup, *path);
+  const Result<RunRecords> result = replay_with_progress(*scene, *setup, *path);
   if (!result) return refuse(result.error());
   // From here on a signal may not leave half a file.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);

@@ -12,7 +12,7 @@
 #include "engine/cli/option_names.h"
 #include "engine/scene/memory_budget.h"
 #include "engine/simulation/path_plan.h"
-#include "engine/simulation/placed_bounds.h"
+#include "engine/rig/placed_bounds.h"
 #include "engine/simulation/run_judgement.h"
 
 namespace palpate {

@@ -99,8 +99,12 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m, boo
   auto settings = scene_settings_of(options, proxy_radius_m);
   if (!settings) return settings.error();
   settings->measures_gaps = measures_gaps;
-  auto scene = Scene::load(options.path, *settings);
-  if (scene && options.close_gaps_m && !options.is_quiet) {
+  return load_scene(options, *settings);
+}
+
+Result<Scene> load_scene(const SceneOptions& options, const SceneSettings& settings) {
+  auto scene = Scene::load(options.path, settings);
+  if (scene && settings.close_gaps_m > 0.0 && !options.is_quiet) {
     const SceneStatistics& s = scene->statistics();
     const JoinStatistics& joins = s.gap_joins;
     std::cerr << "palpate: --close-gaps joined " << joins.joined_edges << " pairs of edges and "
@@ -114,14 +118,21 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m, boo
   return scene;
 }
 
-Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run) {
-  auto scene = load_scene(options, run.radius_m);
+Result<Scene> load_scene(const SceneOptions& options, const SceneSettings& settings,
+                         double rate_Hz) {
+  auto scene = load_scene(options, settings);
   if (!scene) return scene;
-  if (auto error = check_tick_rate(scene->effects(), run.rate_Hz)) {
+  if (auto error = check_tick_rate(scene->effects(), rate_Hz)) {
     error->path = options.path;
     return *error;
   }
   return scene;
+}
+
+Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run) {
+  const auto settings = scene_settings_of(options, run.radius_m);
+  if (!settings) return settings.error();
+  return load_scene(options, *settings, run.rate_Hz);
 }
 
 }  // namespace palpate

@@ -40,6 +40,12 @@ Result<SceneSettings> scene_settings_of(const SceneOptions& options, double prox
 Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m,
                          bool measures_gaps = false);
 
+// Loads the scene of the options with the settings that scene_settings_of() has made of them.
+Result<Scene> load_scene(const SceneOptions& options, const SceneSettings& settings);
+// Returns an error if an effect of the scene needs a higher tick rate.
+Result<Scene> load_scene(const SceneOptions& options, const SceneSettings& settings,
+                         double rate_Hz);
+
 // Checks the options and loads the scene for a session. Also returns an error if an effect needs a
 // higher tick rate, for example a vibration whose frequency is half of the tick rate or more.
 Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run);

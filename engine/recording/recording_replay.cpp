@@ -11,7 +11,7 @@
 
 #include "engine/recording/block_walk.h"
 #include "engine/recording/recorded_tick.h"
-#include "engine/session/haptic_session.h"
+#include "engine/rig/rig.h"
 #include "haptics/check_settings.h"
 #include "haptics/effects/effect_program.h"
 
@@ -225,16 +225,19 @@ class Replayer {
       : options_(options),
         rules_(scene, recorded.setup.haptics),
         device_(recorded.device, options.change && options.change->has_all_motors),
-        changes_(scene.world()),
-        loop_(scene.world(), recorded.setup.actuation, recorded.setup.haptics),
-        session_(loop_, device_,
-                 {.changes = {&changes_},
-                  .max_force_N = recorded.max_force_N,
-                  .takes_motors = recorded.takes_motors,
-                  .sink = &computed_}) {}
+        changes_(scene.world()) {}
 
-  std::optional<Error> run(const RecordingReader& reader) {
-    session_.start();
+  // The recorded inputs move the nodes: the rig needs no scene.
+  std::optional<Error> run(const RecordingReader& reader, const RecordedSession& recorded,
+                           const Scene& scene) {
+    const RecordedSetup& setup = recorded.setup;
+    auto rig = Rig::create(
+        scene.world(),
+        RunSetup{setup.actuation, setup.haptics, setup.dt_s, {}, recorded.max_force_N}, device_,
+        {.changes = {&changes_}, .sink = &computed_, .takes_motors = recorded.takes_motors});
+    if (!rig) return rig.error();
+    rig_ = std::move(*rig);
+    rig_->session().start();
     version_ = reader.version();
     BlockWalk walk(reader);
     for (WalkStep step = walk.next(); step.kind != WalkStep::Kind::kEnd; step = walk.next()) {
@@ -251,7 +254,7 @@ class Replayer {
       if (outcome_.difference) break;
       if (options_.progress) options_.progress(walk.share());
     }
-    session_.stop();
+    rig_->session().stop();
     return std::nullopt;
   }
 
@@ -298,7 +301,7 @@ class Replayer {
     device_.set_row(row.reading, asks_for_trip);
     const std::int64_t late_ns = row.record.late_ns;
     const std::int64_t now_ns = row.reading.due_ns + late_ns;
-    session_.tick(row.reading.dt_s, late_ns, now_ns);
+    rig_->session().tick(row.reading.dt_s, late_ns, now_ns);
     if (!options_.change) outcome_.difference = first_difference(row, computed_.row, version_);
     if (outcome_.difference) return nullptr;
     ++outcome_.proved;
@@ -324,7 +327,7 @@ class Replayer {
         device_.set_motors(input.bytes);
         return true;
       case InputKind::kRearm:
-        session_.rearm();
+        rig_->session().rearm();
         return true;
       case InputKind::kTrip:
         asks_for_trip = true;
@@ -332,7 +335,7 @@ class Replayer {
       case InputKind::kPause: {
         std::uint64_t ticks = 0;
         std::memcpy(&ticks, input.bytes.data(), sizeof ticks);
-        session_.skip_paused(ticks);
+        rig_->session().skip_paused(ticks);
         return true;
       }
       default:
@@ -345,8 +348,7 @@ class Replayer {
   RecordedDevice device_;
   RecordedChanges changes_;
   ComputedTick computed_;
-  HapticLoop loop_;
-  HapticSession session_;
+  std::unique_ptr<Rig> rig_;
   ReplayOutcome outcome_;
   SummaryAccumulator recorded_summary_;
   std::array<std::uint64_t, kMostEffects> recorded_effects_{};
@@ -395,7 +397,7 @@ Result<ReplayOutcome> replay_recording(const RecordingReader& reader,
   auto ending = reader.ending();
   if (!ending) return ending.error();
   const auto replayer = std::make_unique<Replayer>(session, scene, options);
-  if (auto error = replayer->run(reader)) return in_file(*error);
+  if (auto error = replayer->run(reader, session, scene)) return in_file(*error);
   ReplayOutcome outcome = replayer->finish();
   outcome.ending = std::move(*ending);
   // A recording that was closed states how many ticks it has.

@@ -85,6 +85,10 @@ class HapticSession {
   // message; the device has then been stopped, and ticks do nothing.
   std::optional<std::string> start();
 
+  // Adds an observer behind those of SessionParts; it must outlive the session. Call it before
+  // start().
+  void observe(TickObserver& observer) { parts_.observers.push_back(&observer); }
+
   // See HapticLoop::warm_up(). Call it before the first tick.
   void warm_up() const noexcept { loop_.warm_up(); }
 

@@ -81,6 +81,9 @@ class SteadyMotions final : public WorldMover {
 
   void move_bodies(double time_s, LoopChanges loop) noexcept override;
 
+  // Of an application, for other nodes than these.
+  NodeMotions& nodes() { return *motions_; }
+
  private:
   struct Mover {
     std::size_t handle;

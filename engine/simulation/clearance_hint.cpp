@@ -2,9 +2,9 @@
 
 #include <sstream>
 
-#include "engine/simulation/placed_bounds.h"
+#include "engine/rig/placed_bounds.h"
+#include "engine/rig/workspace.h"
 #include "engine/simulation/plane_height.h"
-#include "engine/simulation/workspace.h"
 
 namespace palpate {
 namespace {
@@ -37,8 +37,7 @@ std::string two_sensors_text(const ActuationModel& actuation) {
 
 std::string clearance_hint(const Scene& scene, const RunSetup& setup,
                            const SurfacePathSettings& wanted) {
-  const Workspace workspace =
-      hand_workspace(setup.actuation.sensors(), workspace_extent_m(setup.device));
+  const Workspace workspace = hand_workspace(setup);
   const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
   const double largest_m = scene.statistics().extent_m.maxCoeff();
   for (const auto& size_m : {fitting_size_m(workspace, bounds, largest_m),

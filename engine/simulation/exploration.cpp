@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <thread>
 
-#include "engine/scene/memory_budget.h"
 #include "engine/session/haptic_thread.h"
 #include "engine/simulation/hand_session.h"
 #include "engine/simulation/path_coverage.h"
@@ -19,27 +18,6 @@
 
 namespace palpate {
 namespace {
-
-// Records every tick in memory allocated before the start.
-class Recorder final : public TickObserver {
- public:
-  Recorder(ExplorationRun& run, std::size_t ticks) : run_(run) { run_.records.resize(ticks); }
-  void on_tick(const TickRecord& record) noexcept override {
-    if (count_ < run_.records.size()) run_.records[count_++] = record;
-    summary_.add(record);
-  }
-  void on_trip(const GovernorTrip& trip) noexcept override { summary_.add(trip); }
-  // The records of an interrupted run end at the interruption.
-  RunSummary finish() {
-    run_.records.resize(count_);
-    return summary_.finish(steps_of(run_.records));
-  }
-
- private:
-  ExplorationRun& run_;
-  std::size_t count_ = 0;
-  SummaryAccumulator summary_;
-};
 
 // The first tick of the last fifth of a run.
 std::size_t late_tick(const ExplorationRun& run) {
@@ -101,29 +79,17 @@ void run_realtime(HapticSession& session, const RunSetup& setup, std::size_t tic
   run.tick_times = thread.times();
 }
 
-// Every tick is recorded in memory, 320 bytes each; one hour at 1 kHz is below this limit.
-constexpr double kMostTicks = 4e6;
-
 }  // namespace
 
 // Comparisons are false for NaN.
 std::optional<Error> check_exploration(const ExplorationSettings& settings, double dt_s) {
-  const auto invalid = [](const char* option, const std::string& problem, const char* hint) {
-    return Error{ErrorCode::kInvalidArgument, "", option, problem, hint};
-  };
   if (!(settings.seconds > PathPlanSettings{}.approach_s)) {
     std::ostringstream text;
     text << "is " << settings.seconds << " s; expected more than " << PathPlanSettings{}.approach_s
          << " s, the time of the approach";
-    return invalid("seconds", text.str(), "use 25 to 30 s");
+    return invalid_argument("seconds", text.str(), "use 25 to 30 s");
   }
-  const double ticks = settings.seconds / dt_s;
-  if (!(ticks >= 1.0 && ticks <= kMostTicks)) {
-    std::ostringstream text;
-    text << "multiplied by `RunSettings::rate_Hz` gives " << ticks << " ticks; expected 1 to "
-         << kMostTicks;
-    return invalid("seconds", text.str(), "choose a shorter run or another rate");
-  }
+  if (const auto ticks = kept_ticks(settings.seconds, dt_s); !ticks) return ticks.error();
   return std::nullopt;
 }
 
@@ -131,15 +97,13 @@ namespace {
 
 // Checks the memory of the run: the record of each tick and the section of the surfaces.
 std::optional<Error> take_memory(const Scene& scene, const RunSetup& setup,
-                                 const ExplorationSettings& settings, MemoryLedger& ledger) {
-  ledger = MemoryLedger(memory_limit(settings.max_memory_bytes));
-  ledger.advise("load a part of the scene with `SceneSettings::node`");
-  ledger.begin("preparing the run");
-  if (auto error = ledger.take(settings.taken_memory_bytes)) return error;
-  ledger.advise("choose a shorter run");
-  ledger.begin("recording the ticks", "seconds");
-  const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
-  if (auto error = ledger.take(ticks * (sizeof(TickRecord) + sizeof(std::int64_t)))) return error;
+                                 const ExplorationSettings& settings, std::uint64_t ticks,
+                                 MemoryLedger& ledger) {
+  if (auto error =
+          take_run_memory(settings.max_memory_bytes, settings.taken_memory_bytes,
+                          "load a part of the scene with `SceneSettings::node`", ticks, ledger)) {
+    return error;
+  }
   if (!setup.actuation.is_planar()) return std::nullopt;
   ledger.advise(
       "load a part of the scene with `SceneSettings::node`, or use `RunSettings::sensors` 3, which "
@@ -154,19 +118,19 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
                                const StopFlag* stop, MemoryLedger& ledger) {
   if (const auto error = check_exploration(settings, setup.dt_s)) return *error;
   if (const auto error = check_setup(scene, setup)) return *error;
+  const std::uint64_t ticks = *kept_ticks(settings.seconds, setup.dt_s);
   PlantSettings plant;
   plant.device = setup.device;
   plant.seed = settings.seed;
   if (const auto error = check_plant(plant, setup.dt_s)) return *error;
-  if (auto error = take_memory(scene, setup, settings, ledger)) return *error;
+  if (auto error = take_memory(scene, setup, settings, ticks, ledger)) return *error;
   Result<PlannedHand> hand = plan_hand(scene, setup, {settings.seconds, settings.seed});
   if (!hand) return hand.error();
   ExplorationRun run;
   run.a4 = setup.haptics.a4.enabled;
-  const auto ticks = static_cast<std::size_t>(std::llround(settings.seconds / setup.dt_s));
-  Recorder recorder(run, ticks);
-  const auto session = HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m,
-                                           {&recorder}, settings.sink);
+  const auto session =
+      HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m,
+                          {.keeper = std::make_unique<RecordKeeper>(ticks), .sink = settings.sink});
   if (!session) return session.error();
   if (settings.virtual_time) {
     constexpr std::uint64_t kReportEvery = 1000;
@@ -177,11 +141,11 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   } else {
     run_realtime((*session)->session(), setup, ticks, progress, stop, run);
   }
-  run.summary = recorder.finish();
+  RunRecords kept = (*session)->rig().take_keeper()->finish();
+  run.records = std::move(kept.records);
+  run.summary = kept.summary;
   run.interrupted = run.records.size() < ticks;
   if (!run.interrupted) progress(1.0);
-  take_effects((*session)->loop(), setup.haptics.measures_effects, steps_of(run.records),
-               run.summary);
   measure_coverage(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
                    setup.haptics.god_object.radius_m, run);
   run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > workspace_extent_m(setup.device);

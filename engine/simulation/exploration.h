@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/rig/record_keeper.h"
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
-#include "engine/session/run_summary.h"
 #include "engine/session/stop_flag.h"
 #include "engine/session/tick_sink.h"
 #include "engine/session/tick_times.h"
@@ -51,9 +51,7 @@ struct ExplorationRun {
   bool exceeds_workspace = false;
   std::string realtime_note;  // which real-time privileges the system denied
 
-  std::uint64_t record_bytes() const {
-    return records.size() * (sizeof(TickRecord) + sizeof(std::int64_t));
-  }
+  std::uint64_t record_bytes() const { return records.size() * kBytesPerTick; }
 };
 
 // The distance within which the proxy covers the path: the larger of kNearWay_m and kNearWayShare

@@ -3,46 +3,23 @@
 #include <utility>
 
 namespace palpate {
-namespace {
 
-std::vector<TickObserver*> with_last(std::vector<TickObserver*> observers, TickObserver& last) {
-  observers.push_back(&last);
-  return observers;
-}
-
-// Under ForceMode::kFull, the simulated device has a motor on every sensed axis, as if it were
-// fully actuated.
-PlantSettings with_motors(PlantSettings plant, const RunSetup& setup) {
-  if (setup.haptics.force != ForceMode::kFull) return plant;
-  give_all_motors(plant.device, setup.actuation.sensors());
-  return plant;
-}
-
-}  // namespace
-
-HandSession::HandSession(const Scene& scene, const RunSetup& setup, const PlantSettings& plant,
-                         HandPlan& plan, const Vec3& start_scene_m,
-                         std::vector<TickObserver*> observers, TickSink* sink, SteadyMotions mover)
+HandSession::HandSession(const RunSetup& setup, const PlantSettings& plant, HandPlan& plan,
+                         const Vec3& start_scene_m)
     : dt_s_(setup.dt_s),
-      mover_(std::move(mover)),
-      device_(with_motors(plant, setup), plan, setup.haptics.initial_pose.point(start_scene_m),
-              setup.haptics.initial_pose, setup.actuation.is_planar()),
-      loop_(scene.world(), setup.actuation, setup.haptics),
-      session_(loop_, device_,
-               {.changes = {&mover_},
-                .observers = with_last(std::move(observers), device_),
-                .max_force_N = setup.max_force_N,
-                .sink = sink}) {}
+      device_(device_in_hand(plant, setup, plan, setup.haptics.initial_pose.point(start_scene_m))) {
+}
 
 Result<std::unique_ptr<HandSession>> HandSession::create(const Scene& scene, const RunSetup& setup,
                                                          const PlantSettings& plant, HandPlan& plan,
                                                          const Vec3& start_scene_m,
-                                                         std::vector<TickObserver*> observers,
-                                                         TickSink* sink) {
-  auto mover = SteadyMotions::create(scene, setup.moves);
-  if (!mover) return mover.error();
-  return std::unique_ptr<HandSession>(new HandSession(
-      scene, setup, plant, plan, start_scene_m, std::move(observers), sink, std::move(*mover)));
+                                                         RigParts parts) {
+  std::unique_ptr<HandSession> hand(new HandSession(setup, plant, plan, start_scene_m));
+  auto rig = Rig::create(scene, setup, hand->device_, std::move(parts));
+  if (!rig) return rig.error();
+  hand->rig_ = std::move(*rig);
+  hand->session().observe(hand->device_);
+  return hand;
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "engine/rig/workspace.h"
 #include "engine/simulation/hand_path.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/target_track.h"
@@ -12,9 +13,9 @@
 namespace palpate {
 
 struct PathPlanSettings {
-  double press_depth_m = 4e-3;  // depth of the hand's target inside the wall: about 0.5 N
-  double approach_s = 1.0;      // duration of the motion from free space to the wall
-  double follow_s = 27.0;       // duration of the motion along the path
+  double press_depth_m = kHandPressDepth_m;
+  double approach_s = 1.0;  // duration of the motion from free space to the wall
+  double follow_s = 27.0;   // duration of the motion along the path
   // The hand observes its position along the path and corrects for lag, for example the lag from
   // the sideways push of an under-actuated device. It does not correct the lag in depth, which the
   // wall causes.

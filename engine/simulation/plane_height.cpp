@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/simulation/placed_bounds.h"
+#include "engine/rig/placed_bounds.h"
 
 namespace palpate {
 namespace {

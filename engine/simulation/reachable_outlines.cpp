@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/simulation/ball_outline.h"
-#include "engine/simulation/placed_bounds.h"
+#include "engine/rig/placed_bounds.h"
 #include "engine/simulation/scene_cut.h"
 
 namespace palpate {

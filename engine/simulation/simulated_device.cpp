@@ -111,4 +111,13 @@ void SimulatedDevice::on_tick(const TickRecord& record) noexcept {
   last_ = record;
 }
 
+SimulatedDevice device_in_hand(PlantSettings plant, const RunSetup& setup, HandPlan& plan,
+                               const Vec3& start_device_m) {
+  if (setup.haptics.force == ForceMode::kFull) {
+    give_all_motors(plant.device, setup.actuation.sensors());
+  }
+  return SimulatedDevice(plant, plan, start_device_m, setup.haptics.initial_pose,
+                         setup.actuation.is_planar());
+}
+
 }  // namespace palpate

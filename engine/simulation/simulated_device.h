@@ -10,6 +10,7 @@
 #include "engine/devices/light_device.h"
 #include "engine/devices/stability_limits.h"  // HandImpedance
 #include "engine/session/haptic_session.h"
+#include "engine/session/run_setup.h"
 #include "engine/simulation/intention_wander.h"
 #include "geometry/base/result.h"
 #include "geometry/base/types.h"
@@ -88,5 +89,11 @@ class SimulatedDevice final : public Device, public TickObserver {
   Vec3 force_N_ = Vec3::Zero();
   TickRecord last_;
 };
+
+// The device that a simulated hand holds in a session with this setup. Under ForceMode::kFull it
+// has a motor along every sensed axis, as if it were fully actuated. The others: see
+// SimulatedDevice.
+SimulatedDevice device_in_hand(PlantSettings plant, const RunSetup& setup, HandPlan& plan,
+                               const Vec3& start_device_m);
 
 }  // namespace palpate

@@ -115,8 +115,8 @@ Result<SoakRun> soak(const Scene& scene, const RunSetup& setup, const SoakSettin
   auto hand = plan_hand(scene, setup, {settings.seconds, settings.seed, laps});
   if (!hand) return hand.error();
   Counter counter;
-  const auto session =
-      HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m, {&counter});
+  const auto session = HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m,
+                                           {.observers = {&counter}});
   if (!session) return session.error();
   const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
   SoakRun run;
@@ -127,7 +127,7 @@ Result<SoakRun> soak(const Scene& scene, const RunSetup& setup, const SoakSettin
   watch(thread, ticks, setup.dt_s, progress, stop, run);
   thread.stop();
   counter.move_to(run);
-  take_effects((*session)->loop(), setup.haptics.measures_effects, {counter.step_ns()},
+  take_effects((*session)->rig().loop(), setup.haptics.measures_effects, {counter.step_ns()},
                run.summary);
   run.tick_times = thread.times();
   run.interrupted = run.summary.ticks < ticks;

@@ -6,12 +6,12 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/rig/placed_bounds.h"
+#include "engine/rig/workspace.h"
 #include "engine/scene/load_warnings.h"
 #include "engine/session/start_inside.h"
-#include "engine/simulation/placed_bounds.h"
 #include "engine/simulation/plane_height.h"
 #include "engine/simulation/simulated_device.h"
-#include "engine/simulation/workspace.h"
 #include "engine/trials/as_printed.h"
 #include "engine/trials/key_hash.h"
 #include "engine/trials/operator_hand.h"
@@ -76,12 +76,8 @@ Error of_level(Error error, const std::vector<double>& levels, double level, con
 // The error of the first orientation in which the scene is larger than the workspace.
 std::optional<Error> check_size(const ExperimentPlan& plan, const PlanObject& object,
                                 const Scene& scene, const RunSetup& setup) {
-  const Workspace workspace =
-      hand_workspace(setup.actuation.sensors(), workspace_extent_m(setup.device));
   for (const double start_deg : plan.start_orientation_deg) {
-    const RunSetup turned = turned_setup(setup, start_deg);
-    auto misfit = check_fits(workspace, bounds_in_device(scene, turned.haptics.initial_pose),
-                             scene.statistics().extent_m.maxCoeff());
+    auto misfit = check_fits(scene, turned_setup(setup, start_deg));
     if (!misfit) continue;
     const bool is_of_scene = misfit->element == "scene";
     Error error = device_error(*misfit, plan);

@@ -58,8 +58,8 @@ Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const Ru
   LoopTime loop_time;
   std::vector<TickObserver*> observers{&clock, &loop_time};
   if (sink) observers.push_back(&to_sink);
-  const auto session =
-      HandSession::create(scene, trial, plant, hand, hand.start_scene_m(), observers);
+  const auto session = HandSession::create(scene, trial, plant, hand, hand.start_scene_m(),
+                                           {.observers = observers});
   if (!session) return session.error();
   constexpr auto kUntilTheClockStops = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t before_start = 0;

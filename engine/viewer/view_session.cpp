@@ -10,9 +10,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/rig/placed_bounds.h"
+#include "engine/rig/workspace.h"
 #include "engine/scene/felt_glb.h"
-#include "engine/simulation/placed_bounds.h"
-#include "engine/simulation/workspace.h"
 
 namespace palpate {
 namespace {
@@ -37,8 +37,6 @@ PlantSettings plant_of(const RunSetup& setup) {
   PlantSettings plant;
   plant.device = setup.device;
   plant.intention_noise_m = 0.0;
-  if (setup.haptics.force != ForceMode::kFull) return plant;
-  give_all_motors(plant.device, setup.actuation.sensors());  // as in HandSession
   return plant;
 }
 
@@ -75,8 +73,7 @@ void add_counts(const TickStatistics::BitCounts& counts, std::span<const std::st
 Vec3 resting_place_m(const Scene& scene, const RunSetup& setup) {
   if (scene.objects().empty()) return Vec3::Zero();
   const Box bounds = bounds_in_device(scene, setup.haptics.initial_pose);
-  const int sensors = setup.actuation.sensors();
-  const double room_m = hand_workspace(sensors, workspace_extent_m(setup.device)).room_m;
+  const double room_m = hand_workspace(setup).room_m;
   const double away_m = 0.5 * room_m + setup.haptics.god_object.radius_m;
   Vec3 place = 0.5 * (bounds.low + bounds.high);
   if (setup.actuation.is_planar()) {
@@ -88,52 +85,56 @@ Vec3 resting_place_m(const Scene& scene, const RunSetup& setup) {
   return place;
 }
 
+ViewSession::Hand::Hand(const Scene& scene, const RunSetup& setup, const PlantSettings& plant)
+    : start_m(resting_place_m(scene, setup)),
+      live(scene, setup),
+      plan(start_m),
+      simulated(device_in_hand(plant, setup, plan, start_m)),
+      held(simulated, live) {}
+
 Result<std::unique_ptr<ViewSession>> ViewSession::create(const Scene& scene, const RunSetup& setup,
                                                          const ViewSettings& settings,
                                                          GuardableDevice* device) {
+  const PlantSettings plant = plant_of(setup);
   if (device == nullptr) {
-    if (auto error = check_plant(plant_of(setup), setup.dt_s)) return *error;
+    if (auto error = check_plant(plant, setup.dt_s)) return *error;
   }
-  auto mover = SteadyMotions::create(scene, setup.moves);
-  if (!mover) return mover.error();
+  auto hand = std::make_unique<Hand>(scene, setup, plant);
+  Device& held = device == nullptr ? static_cast<Device&>(hand->held) : *device;
+  auto rig = Rig::create(scene, setup, held,
+                         {.changes = {&hand->live},
+                          .sink = settings.recording.sink,
+                          .takes_motors = device != nullptr && settings.takes_motors,
+                          .has_tuner = true,
+                          .stays_inside = settings.stays_inside});
+  if (!rig) return rig.error();
   std::unique_ptr<ViewSession> session(
-      new ViewSession(scene, setup, settings, device, std::move(*mover)));
+      new ViewSession(scene, setup, settings, device, std::move(hand), std::move(*rig)));
   if (auto error = session->encode_scene()) return *error;
   return session;
 }
 
 ViewSession::ViewSession(const Scene& scene, const RunSetup& setup, const ViewSettings& settings,
-                         GuardableDevice* device, SteadyMotions mover)
+                         GuardableDevice* device, std::unique_ptr<Hand> hand,
+                         std::unique_ptr<Rig> rig)
     : scene_(scene),
       setup_(setup),
       settings_(settings),
       person_(device),
-      start_m_(resting_place_m(scene, setup)),
-      mover_(std::move(mover)),
-      start_inside_(scene, settings.stays_inside),
-      tuner_(scene),
-      live_(scene, setup),
-      page_settings_(scene, live_, tuner_, device == nullptr, device == nullptr),
-      plan_(start_m_),
-      simulated_(plant_of(setup), plan_, start_m_, setup.haptics.initial_pose,
-                 setup.actuation.is_planar()),
-      held_(simulated_, live_),
-      loop_(scene.world(), setup.actuation, setup.haptics),
-      publisher_(loop_, device == nullptr ? &plan_ : nullptr, most_moving(scene, setup)),
-      session_(
-          loop_, device == nullptr ? static_cast<Device&>(held_) : *device,
-          {.changes = {&mover_, &tuner_, &live_, &start_inside_},
-           .observers = device == nullptr ? std::vector<TickObserver*>{&publisher_, &simulated_}
-                                          : std::vector<TickObserver*>{&publisher_},
-           .max_force_N = setup.max_force_N,
-           .takes_motors = device != nullptr && settings.takes_motors,
-           .sink = settings.recording.sink}) {
+      hand_(std::move(hand)),
+      rig_(std::move(rig)),
+      start_inside_news_(rig_->start_inside()),
+      page_settings_(scene, hand_->live, rig_->tuner(), device == nullptr, device == nullptr),
+      publisher_(rig_->loop(), device == nullptr ? &hand_->plan : nullptr,
+                 most_moving(scene, setup)) {
+  session().observe(publisher_);
+  if (device == nullptr) session().observe(hand_->simulated);
   const HapticThreadSettings thread{1.0 / setup.dt_s, 0, settings.cpu};
   if (device == nullptr) {
-    thread_ = std::make_unique<HapticThread>(session_, thread);
+    thread_ = std::make_unique<HapticThread>(session(), thread);
   } else {
     guarded_ = std::make_unique<GuardedRun>(
-        *device, session_,
+        *device, session(),
         GuardedRunSettings{thread, settings.has_guard, settings.without_realtime});
   }
 }
@@ -161,11 +162,11 @@ std::optional<Error> ViewSession::start() {
 void ViewSession::stop() {
   if (thread_) thread_->stop();
   if (guarded_) guarded_->stop();
-  session_.stop();
+  session().stop();
 }
 
 bool ViewSession::newest(ViewState& state, std::vector<BodyPose>& bodies) {
-  if (!publisher_.newest(session_, state, bodies)) return false;
+  if (!publisher_.newest(session(), state, bodies)) return false;
   if (LoopValues loop; publisher_.loop_values(loop)) {
     state.axis_count = loop.axis_count;
     state.axes = loop.axes;
@@ -185,7 +186,8 @@ std::uint64_t ViewSession::take_ticks(std::vector<TickSummary>& rows) {
 
 std::string ViewSession::hello() {
   const SceneStatistics& facts = scene_.statistics();
-  const DeviceDescription& device = is_simulated() ? held_.description() : person_->description();
+  const DeviceDescription& device =
+      is_simulated() ? hand_->held.description() : person_->description();
   Json json = {{"type", "hello"}, {"version", kViewVersion}, {"engine", PALPATE_VERSION}};
   json["scene"] = {{"name", settings_.scene_name},
                    {"triangles", triangles_},
@@ -214,7 +216,7 @@ std::string ViewSession::hello() {
       setup_.actuation.is_planar() ? Json(setup_.haptics.plane_height_m) : Json();
   json["proxy_radius_m"] = setup_.haptics.god_object.radius_m;
   json["settings"] = page_settings_.list();
-  json["start_device_m"] = vector_json(start_m_);
+  json["start_device_m"] = vector_json(hand_->start_m);
   return line_of(json);
 }
 
@@ -233,7 +235,7 @@ std::optional<double> ViewSession::measured_rate_Hz() {
 
 std::string ViewSession::status(std::size_t clients) {
   GovernorStatus governor;
-  session_.latest(governor);
+  session().latest(governor);
   Json json = {{"type", "status"}, {"rate_Hz", number_or_null(measured_rate_Hz())}};
   json["missed"] = thread().missed_deadlines();
   json["late_p999_us"] = number_or_null(statistics_.late_us(0.999));
@@ -247,9 +249,9 @@ std::string ViewSession::status(std::size_t clients) {
   add_counts(statistics_.take_rules(), kGovernorRuleNames, json["faults"]);
   json["clients"] = clients;
   json["paused"] = is_paused_;
-  json["inside"] = inside_json(scene_, start_inside_.status());
+  json["inside"] = inside_json(scene_, rig_->start_inside().status());
   // What is set while paused, or was set in this moment, is not yet that of the loop.
-  const bool is_pending = live_.is_pending() || tuner_.is_pending();
+  const bool is_pending = hand_->live.is_pending() || rig_->tuner().is_pending();
   LoopValues loop;
   const bool has_loop = !is_pending && publisher_.loop_values(loop);
   json["settings"] = page_settings_.values(has_loop ? std::optional(loop) : std::nullopt);
@@ -270,7 +272,7 @@ std::optional<ViewModel::Event> ViewSession::take_event() {
     }
   }
   GovernorStatus governor;
-  if (!session_.latest(governor) || governor.trips == told_trips_) return std::nullopt;
+  if (!session().latest(governor) || governor.trips == told_trips_) return std::nullopt;
   told_trips_ = governor.trips;
   return Event{"trip", "the force was cut: " + trip_text(governor.trip)};
 }
@@ -282,17 +284,17 @@ void ViewSession::point(const PointerMessage& message) {
     inside.target_m[k] = std::clamp(message.target_m[k], setup_.device.workspace_low_m[k],
                                     setup_.device.workspace_high_m[k]);
   }
-  plan_.point(inside);
+  hand_->plan.point(inside);
 }
 
 void ViewSession::let_go() {
-  plan_.let_go();
+  hand_->plan.let_go();
 }
 
 void ViewSession::pause(bool paused) {
   is_paused_ = paused;
-  held_.set_paused(paused);
-  session_.set_paused(paused);
+  hand_->held.set_paused(paused);
+  session().set_paused(paused);
 }
 
 std::optional<std::string> ViewSession::carry_out(const PageRequest& request) {
@@ -303,20 +305,20 @@ std::optional<std::string> ViewSession::carry_out(const PageRequest& request) {
       }
       return std::nullopt;
     case PageRequest::Kind::kRearm:
-      session_.rearm();
+      session().rearm();
       return std::nullopt;
     case PageRequest::Kind::kPause:
       pause(std::get<bool>(request.value));
       return std::nullopt;
     case PageRequest::Kind::kStart:
       if (!is_simulated()) return "start: a person holds the device";
-      plan_.start();
+      hand_->plan.start();
       return std::nullopt;
     case PageRequest::Kind::kStay:
-      if (start_inside_.status().phase != StartInside::Phase::kInside) {
+      if (rig_->start_inside().status().phase != StartInside::Phase::kInside) {
         return "stay: the hand is not inside a closed surface";
       }
-      start_inside_.stay();
+      rig_->start_inside().stay();
       return std::nullopt;
     default:
       return "this request is not for the session";

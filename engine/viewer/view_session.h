@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "engine/devices/guardable_device.h"
+#include "engine/rig/rig.h"
 #include "engine/session/guarded_run.h"
-#include "engine/session/haptic_session.h"
 #include "engine/session/haptic_thread.h"
-#include "engine/session/material_tuner.h"
 #include "engine/session/run_setup.h"
 #include "engine/session/start_inside.h"
 #include "engine/session/tick_sink.h"
@@ -90,9 +89,21 @@ class ViewSession final : public ViewModel {
   std::shared_ptr<const std::string> scene_bytes(bool full) override;
 
  private:
-  ViewSession(const Scene& scene, const RunSetup& setup, const ViewSettings& settings,
-              GuardableDevice* device, SteadyMotions mover);
+  // What the page gives to the rig: its settings and, unless a person holds a device, the hand.
+  struct Hand {
+    Hand(const Scene& scene, const RunSetup& setup, const PlantSettings& plant);
 
+    Vec3 start_m;
+    LiveSettings live;
+    PointerPlan plan;
+    SimulatedDevice simulated;
+    HeldDevice held;
+  };
+
+  ViewSession(const Scene& scene, const RunSetup& setup, const ViewSettings& settings,
+              GuardableDevice* device, std::unique_ptr<Hand> hand, std::unique_ptr<Rig> rig);
+
+  HapticSession& session() { return rig_->session(); }
   bool is_simulated() const { return person_ == nullptr; }
   std::optional<Error> encode_scene();
   void pause(bool paused);
@@ -102,20 +113,12 @@ class ViewSession final : public ViewModel {
   RunSetup setup_;
   ViewSettings settings_;
   GuardableDevice* person_;  // null: the hand is simulated
-  Vec3 start_m_;
 
-  SteadyMotions mover_;
-  StartInside start_inside_;
-  StartInsideNews start_inside_news_{start_inside_};
-  MaterialTuner tuner_;
-  LiveSettings live_;
+  std::unique_ptr<Hand> hand_;
+  std::unique_ptr<Rig> rig_;
+  StartInsideNews start_inside_news_;
   PageSettings page_settings_;
-  PointerPlan plan_;
-  SimulatedDevice simulated_;
-  HeldDevice held_;
-  HapticLoop loop_;
   StatePublisher publisher_;
-  HapticSession session_;
   std::unique_ptr<HapticThread> thread_;  // with the simulated hand
   std::unique_ptr<GuardedRun> guarded_;   // with a device
   std::vector<std::string> warnings_;

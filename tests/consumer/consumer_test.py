@@ -20,7 +20,7 @@ import readme_programs
 
 LIBRARIES = {f"palpate_{room}" for room in (
     "base", "exact", "mesh", "index", "io", "gltf", "a4", "proxy", "effects", "strategies", "haptics",
-    "report", "scene", "devices", "session", "simulation")}
+    "report", "scene", "devices", "session", "rig", "simulation")}
 NEEDED = {"Threads", "Eigen3", "OpenMesh", "nlohmann_json", "draco", "meshoptimizer", "embree", "TBB",
           "TINYGLTF_INCLUDE_DIR", "SPNG_INCLUDE_DIR", "SPNG_LIBRARY", "TURBOJPEG_INCLUDE_DIR",
           "TURBOJPEG_LIBRARY"}

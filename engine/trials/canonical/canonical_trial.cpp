@@ -33,8 +33,8 @@ Result<CanonicalOutcome> run_canonical_trial(const Scene& wall, const RunSetup& 
   const double radius_m = setup.haptics.god_object.radius_m;
   CanonicalHand hand(person, conditions.cell.motion, display_Hz, radius_m);
   CanonicalMeasures measures(radius_m);
-  const auto session =
-      HandSession::create(wall, setup, plant, hand, hand.start_scene_m(), {&measures});
+  const auto session = HandSession::create(wall, setup, plant, hand, hand.start_scene_m(),
+                                           {.observers = {&measures}});
   if (!session) return session.error();
   CanonicalOutcome outcome;
   outcome.ticks = (*session)->run_simulated(

@@ -17,7 +17,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/session/replay.h"
+#include "engine/rig/replay.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/worlds.h"
 
@@ -263,7 +263,7 @@ TEST(Exploration, CanBeReplayedFromItsDevicePositions) {
   auto setup = make_setup(condition.options);
   ASSERT_TRUE(setup);
   setup->haptics.a4.enabled = true;
-  const Result<ReplayResult> again = replay(model("star"), *setup, path, 2);
+  const Result<RunRecords> again = replay(model("star"), *setup, path, 2);
   ASSERT_TRUE(again);
   ASSERT_EQ(again->records.size(), run.records.size());
   for (std::size_t n = 0; n < path.size(); ++n) {

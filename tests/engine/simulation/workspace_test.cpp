@@ -1,6 +1,6 @@
 // The position of a scene in the device frame, compared with all its vertices and its sections.
 
-#include "engine/simulation/workspace.h"
+#include "engine/rig/workspace.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/simulation/exploration.h"
-#include "engine/simulation/placed_bounds.h"
+#include "engine/rig/placed_bounds.h"
 #include "engine/simulation/plane_height.h"
 #include "geometry/mesh/section.h"
 #include "tests/helpers/random.h"

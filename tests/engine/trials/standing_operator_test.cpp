@@ -100,8 +100,8 @@ Standing stand(const PreparedObject& wall, const OperatorParameters& person, For
   const Vec3 outside_m = hand.start_scene_m() - wall.way.green_m;
   LedToTheWall plan(hand, outside_m.normalized() * -(outside_m.norm() + person.press_depth_m));
   TrialClock clock(wall.way, settings, 0.0, setup.dt_s);
-  const auto session =
-      HandSession::create(wall.scene, setup, plant, plan, hand.start_scene_m(), {&clock});
+  const auto session = HandSession::create(wall.scene, setup, plant, plan, hand.start_scene_m(),
+                                           {.observers = {&clock}});
   if (!session.ok()) {
     ADD_FAILURE() << session.error().to_string();
     return {};

@@ -229,7 +229,7 @@ TEST_P(CanonicalPersons, StayInTheWorkspaceAndOnTheWall) {
       Reach reach;
       const auto session =
           HandSession::create(*wall, setup, plant_of(setup, person_, random_.index(1'000'000)),
-                              hand, hand.start_scene_m(), {&reach});
+                              hand, hand.start_scene_m(), {.observers = {&reach}});
       ASSERT_TRUE(session.ok());
       (*session)->run_simulated(1'000'000, [&](std::uint64_t) { return hand.is_over(); });
       EXPECT_LT(reach.device_m, 0.5 * workspace_extent_m(setup.device));

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/session/replay.h"
+#include "engine/rig/replay.h"
 #include "engine/trials/canonical/canonical_measures.h"
 #include "haptics/proxy/contact_world.h"
 #include "tests/helpers/random.h"

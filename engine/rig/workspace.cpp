@@ -1,10 +1,10 @@
-#include "engine/simulation/workspace.h"
+#include "engine/rig/workspace.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
-#include "engine/simulation/path_plan.h"
+#include "engine/rig/placed_bounds.h"
 
 namespace palpate {
 namespace {
@@ -67,8 +67,11 @@ Error too_small(const Workspace& workspace) {
 }  // namespace
 
 Workspace hand_workspace(int sensors, double extent_m) {
-  const double depth_m = PathPlanSettings{}.press_depth_m;
-  return {sensors, extent_m, 2 * depth_m, depth_m};
+  return {sensors, extent_m, 2 * kHandPressDepth_m, kHandPressDepth_m};
+}
+
+Workspace hand_workspace(const RunSetup& setup) {
+  return hand_workspace(setup.actuation.sensors(), workspace_extent_m(setup.device));
 }
 
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
@@ -110,6 +113,17 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
         << "rotate the scene with `RunSettings::place`, to give it an extent along the sensed axes";
   }
   return Error{ErrorCode::kInvalidArgument, "", "scene", problem.str(), hint.str()};
+}
+
+std::optional<Error> check_fits(const Scene& scene, const RunSetup& setup) {
+  if (scene.objects().empty()) return std::nullopt;
+  return check_fits(hand_workspace(setup), bounds_in_device(scene, setup.haptics.initial_pose),
+                    scene.statistics().extent_m.maxCoeff());
+}
+
+std::optional<double> fitting_size_m(const Scene& scene, const RunSetup& setup) {
+  return fitting_size_m(hand_workspace(setup), bounds_in_device(scene, setup.haptics.initial_pose),
+                        scene.statistics().extent_m.maxCoeff());
 }
 
 }  // namespace palpate

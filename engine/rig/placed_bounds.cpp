@@ -1,4 +1,4 @@
-#include "engine/simulation/placed_bounds.h"
+#include "engine/rig/placed_bounds.h"
 
 #include <optional>
 #include <vector>

@@ -4,10 +4,15 @@
 
 #include <optional>
 
+#include "engine/scene/scene.h"
+#include "engine/session/run_setup.h"
 #include "geometry/base/box.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
+
+// The depth of a hand's target inside the wall that it presses: about 0.5 N.
+inline constexpr double kHandPressDepth_m = 4e-3;
 
 // The range of a device and the clearance that the exploring hand needs.
 struct Workspace {
@@ -17,8 +22,10 @@ struct Workspace {
   double least_m = 0.0;   // smallest extent that the hand can follow: its press depth
 };
 
-// The workspace for a hand with the press depth of PathPlanSettings.
+// The workspace for a hand with this press depth.
 Workspace hand_workspace(int sensors, double extent_m);
+// That of the setup's device.
+Workspace hand_workspace(const RunSetup& setup);
 
 // Returns an error if the scene is larger than the workspace along a sensed axis, or smaller than
 // the press depth along all sensed axes. The error names a size to scale the scene to. If no size
@@ -33,8 +40,14 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
 std::optional<double> fitting_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m);
 
-// Like fitting_size_m(), but scales the scene to the whole workspace less the clearance for the
-// hand.
+// The same for a scene in its pose at the start, RunSetup::haptics.initial_pose. Nothing is wrong
+// with an empty scene.
+std::optional<Error> check_fits(const Scene& scene, const RunSetup& setup);
+// The scene must have a surface.
+std::optional<double> fitting_size_m(const Scene& scene, const RunSetup& setup);
+
+// Like the first fitting_size_m(), but scales the scene to the whole workspace less the clearance
+// for the hand.
 std::optional<double> largest_size_m(const Workspace& workspace, const Box& bounds_device,
                                      double largest_extent_m);
 
