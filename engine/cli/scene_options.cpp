@@ -115,7 +115,7 @@ Result<Scene> load_scene(const SceneOptions& options, double proxy_radius_m, boo
 }
 
 Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run) {
-  auto scene = load_scene(options, run.radius_m);
+  auto scene = load_scene(options, run.haptics.god_object.radius_m);
   if (!scene) return scene;
   if (auto error = check_tick_rate(scene->effects(), run.rate_Hz)) {
     error->path = options.path;
