@@ -54,8 +54,8 @@ Result<ContourAngle> angle_round(const Scene& scene, const Contour& contour_m,
   RunSettings settings;
   settings.sensors = 2;
   settings.actuators = 1;
-  settings.a4 = true;
-  settings.align = round.align;
+  settings.haptics.a4.enabled = true;
+  settings.haptics.a4.align = round.align;
   const auto made = make_setup(settings);
   if (!made) return made.error();
   RunSetup setup = turned_setup(*made, round.start_orientation_deg);

@@ -347,7 +347,7 @@ int measure(const Options& options) {
   RunSettings settings;
   settings.sensors = 3;
   settings.actuators = 3;
-  settings.a4 = true;
+  settings.haptics.a4.enabled = true;
   const RunSetup setup = *make_setup(settings);
   std::vector<Line> lines;
   if (options.only != "ticks") measure_times(*scene, setup, options.pointers, lines);

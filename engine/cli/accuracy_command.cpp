@@ -398,18 +398,18 @@ CLI::App* AccuracyCommand::add_to(CLI::App& program) {
                            "--material", "--max-memory"}) {
     app.get_option(name)->needs(scene)->group(kSceneOptionsGroup);
   }
-  const auto of_scene = [&](const char* name, double& value, const RealRange& range,
-                            const char* what) {
-    add_real(app, name, value, range, what)->needs(scene)->group(kSceneOptionsGroup);
-  };
   RunSettings& run = request_.settings;
-  of_scene("--rate", run.rate_Hz, {1.0 / kLongestTick_s}, "servo rate, Hz");
-  of_scene("--stiffness", run.stiffness_N_per_m, kZeroOrMore,
-           "coupling spring of surfaces without their own, N/m");
-  of_scene("--damping", run.damping_Ns_per_m, kZeroOrMore,
-           "coupling damper of surfaces without their own, N s/m");
-  of_scene("--radius", run.radius_m, kZeroOrMore, "radius of the proxy, m; 0 is a point");
-  for (CLI::Option* option : add_mechanics(app, run.device)) option->group(kDeviceGroup);
+  const auto of_scene = [&](const char* name, const std::string& help) {
+    add_setting(app, run_setting(name), run, help)->needs(scene)->group(kSceneOptionsGroup);
+  };
+  of_scene("--rate", "servo rate, Hz");
+  of_scene("--stiffness", "coupling spring of surfaces without their own, N/m");
+  of_scene("--damping", "coupling damper of surfaces without their own, N s/m");
+  of_scene("--radius", help_of(run_setting("--radius")));
+  for (const char* name : {"--device-mass", "--device-damping", "--device-friction"}) {
+    const RunSetting& setting = run_setting(name);
+    add_setting(app, setting, run, help_of(setting))->group(kDeviceGroup);
+  }
   add_real(app, "--encoder-quantum", run.device.encoder_quantum_m, kZeroOrMore,
            "step of the device's encoders, m; 0 for exact positions")
       ->group(kDeviceGroup);

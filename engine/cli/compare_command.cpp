@@ -64,7 +64,7 @@ Result<RunSettings> device_settings(const RunOptions& options) {
   settings.actuated_axes = std::move(*axes);
   auto place = parse_place(options.place);
   if (!place) return place.error();
-  settings.place = *place;
+  settings.haptics.initial_pose = *place;
   const auto setup = make_setup(settings);
   if (!setup) return setup.error();
   return settings;
@@ -73,7 +73,7 @@ Result<RunSettings> device_settings(const RunOptions& options) {
 Result<CompareSettings> compare_settings(const CompareRequest& request) {
   auto device = device_settings(request.options);
   if (!device) return device.error();
-  auto scene = scene_settings_of(request.scene, device->radius_m);
+  auto scene = scene_settings_of(request.scene, device->haptics.god_object.radius_m);
   if (!scene) return scene.error();
   auto settings = with_strategies(request.settings, request.strategies);
   if (!settings) {
@@ -241,7 +241,7 @@ void remove_options(CLI::App& app, const std::vector<std::string>& names) {
 
 void CompareCommand::add_scenes(CLI::App& app) {
   add_scene(app, request_.scene, false);
-  add_place(app, request_.options);
+  add_settings(app, request_.options, SettingGroup::kScene);
   remove_options(app, {"SCENE", "--material", "--max-memory", "--move"});
   app.add_option("SCENE", request_.settings.scenes,
                  "glTF 2.0 files, .gltf or .glb; the options of the scene apply to each of them")
@@ -294,18 +294,17 @@ CLI::App* CompareCommand::add_to(CLI::App& program) {
       "strategy's "
       "trials ended at the red sphere.\n");
   add_scenes(app);
-  add_device(app, request_.options,
-             "step of the device's encoders, m; required by the adaptive estimator");
+  add_settings(app, request_.options, SettingGroup::kDevice);
   remove_options(app, {"--force", "--strategy"});
-  add_workspace(app, settings.device);
-  for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
+  add_settings(app, request_.options, SettingGroup::kWorkspace);
+  add_settings(app, request_.options, SettingGroup::kMechanics);
   add_hands(app);
-  add_touch(app, settings);
-  add_rotation(app, settings);
+  add_settings(app, request_.options, SettingGroup::kTouch);
+  add_settings(app, request_.options, SettingGroup::kRotation);
   app.add_option("--out", request_.out_dir, "folder of the results")
       ->capture_default_str()
       ->group(kOutputGroup);
-  app.add_flag("--json", request_.json, "print the results as JSON")->group(kOutputGroup);
+  add_json(app, request_.json);
   return &app;
 }
 

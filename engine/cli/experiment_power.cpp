@@ -58,7 +58,7 @@ void add_assumptions(CLI::App& app, PowerRequest& power) {
                  "predict, ..., or people")
       ->type_name("NAME")
       ->group(kModelGroup);
-  const RealRange sd{0.0, kMostPowerValue, true};
+  const NumberRange sd{0.0, kMostPowerValue, true};
   add_real(app, "--error", power.error_sd, sd,
            "standard deviation of one trial: of u, w and e together [the paper's]")
       ->group(kModelGroup);

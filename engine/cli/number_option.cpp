@@ -20,7 +20,7 @@ Error error_of(const std::string& option, const std::string& problem) {
   return {ErrorCode::kInvalidArgument, "", option, problem, ""};
 }
 
-std::string text_of(const RealRange& range) {
+std::string range_text(const NumberRange& range) {
   std::ostringstream text;
   text << "a finite number";
   const bool has_least = std::isfinite(range.least);
@@ -48,7 +48,7 @@ Result<std::uint64_t> parse_integer(const std::string& option, std::string_view 
 }
 
 Result<double> parse_real(const std::string& option, std::string_view text,
-                          const RealRange& range) {
+                          const NumberRange& range) {
   std::string_view digits = text;
   // from_chars refuses a plus sign.
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
@@ -58,7 +58,7 @@ Result<double> parse_real(const std::string& option, std::string_view text,
   const bool is_in =
       value >= range.least && value <= range.most && !(range.is_least_out && value == range.least);
   if (failed == std::errc() && stop == end && std::isfinite(value) && is_in) return value;
-  std::string problem = quoted(text) + text_of(range);
+  std::string problem = quoted(text) + range_text(range);
   if (failed == std::errc::result_out_of_range) problem += " within the range of a double";
   return error_of(option, problem);
 }

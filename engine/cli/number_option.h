@@ -15,6 +15,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "engine/session/number_range.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -24,21 +25,13 @@ struct IntegerRange {
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
 };
 
-// By default, a range contains all finite numbers.
-struct RealRange {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
-  bool is_least_out = false;  // the range excludes `least` itself
-};
-inline constexpr RealRange kAboveZero{0.0, std::numeric_limits<double>::infinity(), true};
-inline constexpr RealRange kZeroOrMore{0.0};
-
 // Accepts decimal digits only. The error states the range; its element is the option.
 Result<std::uint64_t> parse_integer(const std::string& option, std::string_view text,
                                     const IntegerRange& range);
 
 // Accepts a finite decimal number, with or without a point and an exponent, in every locale.
-Result<double> parse_real(const std::string& option, std::string_view text, const RealRange& range);
+Result<double> parse_real(const std::string& option, std::string_view text,
+                          const NumberRange& range);
 
 template <typename T>
 struct OptionValue {
@@ -78,7 +71,7 @@ CLI::Option* add_integer(CLI::App& app, const std::string& name, T& value,
 }
 
 template <typename T>
-CLI::Option* add_real(CLI::App& app, const std::string& name, T& value, const RealRange& range,
+CLI::Option* add_real(CLI::App& app, const std::string& name, T& value, const NumberRange& range,
                       const std::string& help) {
   return add_parsed(app, name, value, range, &parse_real, "NUMBER", help);
 }

@@ -1,7 +1,11 @@
 #include "engine/cli/option_names.h"
 
+#include <iterator>
 #include <string_view>
 #include <utility>
+#include <vector>
+
+#include "engine/session/run_setting.h"
 
 namespace palpate {
 namespace {
@@ -12,7 +16,8 @@ struct OptionName {
   std::string_view option;
 };
 
-constexpr OptionName kOptionNames[] = {
+// Of settings that are none of a run.
+constexpr OptionName kOtherNames[] = {
     {"SceneSettings", "node", "--node"},
     {"SceneSettings", "scale", "--scale"},
     {"SceneSettings", "fit_size_m", "--fit"},
@@ -22,30 +27,7 @@ constexpr OptionName kOptionNames[] = {
     {"SceneSettings", "close_gaps_m", "--close-gaps"},
     {"SceneSettings", "overrides", "--material"},
     {"SceneSettings", "max_memory_bytes", "--max-memory"},
-    {"RunSettings", "sensors", "--sensors"},
-    {"RunSettings", "actuators", "--actuators"},
-    {"RunSettings", "actuated_axes", "--actuated-axes"},
-    {"RunSettings", "rate_Hz", "--rate"},
-    {"RunSettings", "stiffness_N_per_m", "--stiffness"},
-    {"HapticSettings", "coupling.stiffness_N_per_m", "--stiffness"},
-    {"RunSettings", "damping_Ns_per_m", "--damping"},
-    {"HapticSettings", "coupling.damping_Ns_per_m", "--damping"},
-    {"RunSettings", "radius_m", "--radius"},
-    {"HapticSettings", "god_object.radius_m", "--radius"},
-    {"RunSettings", "work_budget", "--work-budget"},
-    {"RunSettings", "align", "--align"},
-    {"RunSettings", "table1", "--table1"},
-    {"RunSettings", "velocity_estimator", "--velocity-estimator"},
-    {"RunSettings", "velocity_window_ticks", "--velocity-window"},
-    {"RunSettings", "encoder_quantum_m", "--encoder-quantum"},
-    {"RunSettings", "max_force_N", "--max-force"},
-    {"RunSettings", "plane_height_m", "--plane-height"},
-    {"RunSettings", "place", "--place"},
-    {"HapticSettings", "initial_pose", "--place"},
-    {"RunSettings", "moves", "--move"},
     {"HapticSettings", "strategy", "--strategy"},
-    {"RunSettings", "device.workspace", "--workspace"},
-    {"RunSettings", "device.damping_Ns_per_m", "--device-damping"},
     {"ExplorationSettings", "seconds", "--seconds"},
     {"GuardedRunSettings", "without_realtime", "--without-realtime"},
     {"ExplorationSettings", "seed", "--seed"},
@@ -53,6 +35,21 @@ constexpr OptionName kOptionNames[] = {
     {"OutputFiles", "folder", "--out"},
     {"Scene", "tree", "palpate info SCENE --list"},
 };
+
+// The settings of a run first.
+const std::vector<OptionName>& option_names() {
+  static const std::vector<OptionName> names = [] {
+    std::vector<OptionName> all;
+    for (const RunSetting& setting : run_settings()) {
+      if (setting.option.empty()) continue;
+      all.push_back(
+          {setting.is_haptic() ? "HapticSettings" : "RunSettings", setting.field, setting.option});
+    }
+    all.insert(all.end(), std::begin(kOtherNames), std::end(kOtherNames));
+    return all;
+  }();
+  return names;
+}
 
 void replace_all(std::string& text, std::string_view field, std::string_view option) {
   for (std::size_t at = text.find(field); at != std::string::npos; at = text.find(field, at)) {
@@ -65,7 +62,7 @@ void replace_all(std::string& text, std::string_view field, std::string_view opt
 
 std::string with_option_names(std::string text) {
   replace_all(text, "`fitting_size_m()`", "--fit auto");
-  for (const OptionName& name : kOptionNames) {
+  for (const OptionName& name : option_names()) {
     const std::string field = "`" + std::string(name.owner) + "::" + std::string(name.field) + "`";
     replace_all(text, field, name.option);
   }
@@ -82,7 +79,7 @@ Error with_option_names(Error error) {
   const bool is_of_settings = error.code == ErrorCode::kInvalidArgument ||
                               error.code == ErrorCode::kOutOfMemory ||
                               error.code == ErrorCode::kLimitExceeded;
-  for (const OptionName& name : kOptionNames) {
+  for (const OptionName& name : option_names()) {
     if (is_of_settings && error.element == name.field) {
       error.element = name.option;
       break;

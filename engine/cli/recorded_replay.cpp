@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <iostream>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -34,28 +35,41 @@ std::optional<Error> apply_strategy(const Strategy& strategy, RecordedSession& s
   return std::nullopt;
 }
 
+// Requires a setting of HapticSettings that is no OwnSetting.
+void copy_value(const RunSetting& setting, HapticSettings& from, HapticSettings& to) {
+  std::visit(
+      [&](const auto& place) {
+        using Place = std::decay_t<decltype(place)>;
+        if constexpr (std::is_same_v<Place, SettingChoice>) {
+          place.put(to, place.get(from));
+        } else if constexpr (!std::is_same_v<Place, OwnSetting>) {
+          place.in_haptics(to) = place.in_haptics(from);
+        }
+      },
+      setting.value);
+}
+
 // Changes the settings of the recording as the request states.
 std::optional<Error> apply_request(const RecordedReplayRequest& request, RecordedSession& session) {
   HapticSettings& haptics = session.setup.haptics;
-  if (request.a4 || request.force) haptics.strategy.reset();
+  if (request.a4 || request.changes("--force")) haptics.strategy.reset();
   if (request.strategy) {
     if (auto error = apply_strategy(*request.strategy, session)) return error;
   }
   if (request.a4) haptics.a4.enabled = *request.a4;
-  if (request.align) {
+  if (request.changes("--align")) {
     const int actuators = session.setup.actuation.actuators();
-    if (auto error = check_align(*request.align, haptics.a4.table1, actuators)) {
+    const Alignment align = request.settings.haptics.a4.align;
+    if (auto error = check_align(align, haptics.a4.table1, actuators)) {
       error->path = request.recording;
       error->hint = "a recording keeps its motors and its Table 1";
       return error;
     }
-    haptics.a4.align = *request.align;
   }
-  if (request.force) haptics.force = *request.force;
-  if (request.accuracy) haptics.god_object.accuracy = *request.accuracy;
-  CouplingSettings& coupling = haptics.coupling;
-  coupling.stiffness_N_per_m = request.stiffness_N_per_m.value_or(coupling.stiffness_N_per_m);
-  coupling.damping_Ns_per_m = request.damping_Ns_per_m.value_or(coupling.damping_Ns_per_m);
+  RunSettings wanted = request.settings;
+  for (const std::string& option : request.changed) {
+    copy_value(run_setting(option), wanted.haptics, haptics);
+  }
   auto overrides = parse_overrides(request.materials);
   if (!overrides) return overrides.error();
   auto& all = session.setup.scene.overrides;
@@ -65,12 +79,14 @@ std::optional<Error> apply_request(const RecordedReplayRequest& request, Recorde
 
 ReplayChange change_of(const RecordedReplayRequest& request) {
   ReplayChange change;
-  change.ignores[live_setting("a4")] = request.a4 || request.strategy;
-  change.ignores[live_setting("force")] = request.force || request.strategy;
-  change.has_all_motors = request.force == ForceMode::kFull ||
-                          (request.strategy && request.strategy->kind == StrategyKind::kFull);
-  change.ignores[live_setting("stiffness")] = request.stiffness_N_per_m.has_value();
-  change.ignores[live_setting("damping")] = request.damping_Ns_per_m.has_value();
+  for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
+    change.ignores[i] = request.changes("--" + std::string(kLiveSettings[i].name)) ||
+                        (kLiveSettings[i].is_of_strategy && request.strategy);
+  }
+  if (request.a4) change.ignores[live_setting("a4")] = true;
+  change.has_all_motors =
+      (request.changes("--force") && request.settings.haptics.force == ForceMode::kFull) ||
+      (request.strategy && request.strategy->kind == StrategyKind::kFull);
   change.ignores_effects = !request.materials.empty();
   return change;
 }

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -78,50 +79,56 @@ CLI::App* ReplayCommand::add_to(CLI::App& program) {
   listed_scene->type_name("N|NAME|FILE");
   listed_scene->description(listed_scene->get_description() +
                             "; for a recording: where the file of its scene is now");
-  add_place(app, options_);
-  add_device(app, options_, "step of the device's encoders, m; required by the adaptive estimator");
-  add_touch(app, settings);
-  add_choice<bool>(app, "--a4", settings.a4, {{"on", true}, {"off", false}}, "off",
+  add_settings(app, options_, SettingGroup::kScene);
+  add_settings(app, options_, SettingGroup::kDevice);
+  add_settings(app, options_, SettingGroup::kTouch);
+  add_choice<bool>(app, "--a4", settings.haptics.a4.enabled, {{"on", true}, {"off", false}}, "off",
                    "turn the scene while in contact")
       ->group(kA4Group);
-  add_rotation(app, settings);
+  add_settings(app, options_, SettingGroup::kRotation);
   add_strategy(app, settings.strategy);
   app.add_option("--out", trace_, "CSV file of the trace")->group(kOutputGroup);
-  add_output(app, settings, json_);
+  add_json(app, json_);
+  add_settings(app, options_, SettingGroup::kOutput);
   return &app;
 }
 
-// The options that a recording can be replayed with.
-constexpr std::array kRecordingOptions = {"SCENE",       "--scene",   "--material", "--strategy",
-                                          "--a4",        "--align",   "--force",    "--accuracy",
-                                          "--stiffness", "--damping", "--json"};
+// Of the options that a recording can be replayed with, those beside kChangedByReplay.
+constexpr std::array kRecordingOptions = {"SCENE",      "--scene", "--material",
+                                          "--strategy", "--a4",    "--json"};
+
+std::string not_for_recording() {
+  std::string text = "is not for a recording; expected --material, --strategy, --a4";
+  for (const std::string_view option : kChangedByReplay) {
+    text.append(option == kChangedByReplay.back() ? " or " : ", ").append(option);
+  }
+  return text;
+}
 
 int ReplayCommand::replay_recording() {
   for (const CLI::Option* option : app_->get_options()) {
     const std::string name = option->get_name();
-    const bool is_known = std::find(kRecordingOptions.begin(), kRecordingOptions.end(), name) !=
-                          kRecordingOptions.end();
-    if (option->count() > 0 && !is_known) {
-      return refuse(invalid_argument(
-          name,
-          "is not for a recording; expected --material, --strategy, --a4, --align, --force, "
-          "--accuracy, --stiffness or --damping"));
-    }
+    const bool is_known =
+        std::find(kRecordingOptions.begin(), kRecordingOptions.end(), name) !=
+            kRecordingOptions.end() ||
+        std::find(kChangedByReplay.begin(), kChangedByReplay.end(), name) != kChangedByReplay.end();
+    if (option->count() > 0 && !is_known)
+      return refuse(invalid_argument(name, not_for_recording()));
   }
-  const auto is_given = [this](const char* name) { return app_->get_option(name)->count() > 0; };
+  const auto is_given = [this](const std::string& name) {
+    return app_->get_option(name)->count() > 0;
+  };
   RecordedReplayRequest request;
   request.recording = scene_.path;
   request.scene = scene_.listed_scene;
   request.json = json_;
   request.materials = scene_.materials;
-  const RunSettings& settings = options_.settings;
-  request.strategy = settings.strategy;
-  if (is_given("--a4")) request.a4 = settings.a4;
-  if (is_given("--align")) request.align = settings.align;
-  if (is_given("--force")) request.force = settings.force;
-  if (is_given("--accuracy")) request.accuracy = settings.accuracy;
-  if (is_given("--stiffness")) request.stiffness_N_per_m = settings.stiffness_N_per_m;
-  if (is_given("--damping")) request.damping_Ns_per_m = settings.damping_Ns_per_m;
+  request.settings = options_.settings;
+  request.strategy = options_.settings.strategy;
+  if (is_given("--a4")) request.a4 = options_.settings.haptics.a4.enabled;
+  for (const std::string_view option : kChangedByReplay) {
+    if (is_given(std::string(option))) request.changed.emplace_back(option);
+  }
   return replay_recorded(request);
 }
 

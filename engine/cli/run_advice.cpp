@@ -56,7 +56,7 @@ RunRequest changed(RunRequest command, const Changes& changes) {
       settings.plane_height_m = value ? std::optional(number) : std::nullopt;
     }
     if (option == "--place") options.place = text;
-    if (option == "--radius") settings.radius_m = number;
+    if (option == "--radius") settings.haptics.god_object.radius_m = number;
     if (option == "--actuated-axes") options.actuated_axes = text;
     if (option == "--actuators") settings.actuators = std::nullopt;  // a change only removes it
     if (option == "--sensors") settings.sensors = static_cast<int>(number);
@@ -163,7 +163,7 @@ class Candidates {
 
   // A smaller sphere reaches more of the contour, a point reaches most.
   void add_radii() {
-    const double radius_m = command_.options.settings.radius_m;
+    const double radius_m = command_.options.settings.haptics.god_object.radius_m;
     if (!(radius_m > 0.0)) return;
     for (const double part : {0.5, 0.1}) {
       changes_.push_back({{"--radius", text_of(part * radius_m)}});

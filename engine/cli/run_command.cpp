@@ -264,12 +264,6 @@ class RunCommand final : public Command {
   }
 
  private:
-  std::string quantum_text() const {
-    std::ostringstream text;
-    text << request_.options.settings.device.encoder_quantum_m;
-    return text.str();
-  }
-
   RunRequest request_;
   CLI::App* app_ = nullptr;
 };
@@ -288,13 +282,12 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
       "sleep 0.1; done; ./run.sh run models/star.glb --fit auto --seconds 5 --device "
       "hapi:port=$(grep -o '/dev/[^ ]*' board)  # exit code 3: a trip\n");
   add_scene(app, request_.scene, true);
-  add_place(app, request_.options);
-  add_device(app, request_.options,
-             "step of the device's encoders, m [" + quantum_text() +
-                 "]; required by the adaptive estimator");
+  add_settings(app, request_.options, SettingGroup::kScene);
+  request_.options.states_quantum = true;
+  add_settings(app, request_.options, SettingGroup::kDevice);
   ExplorationSettings& hand = request_.exploration;
-  add_workspace(app, settings.device);
-  for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
+  add_settings(app, request_.options, SettingGroup::kWorkspace);
+  add_settings(app, request_.options, SettingGroup::kMechanics);
   add_real(app, "--seconds", hand.seconds, {2.0, 86400.0}, "length of a run, s, 2 to 86400")
       ->group(kHandGroup);
   add_integer(app, "--seed", hand.seed, {}, "seed of the hand's noise and walk")->group(kHandGroup);
@@ -302,20 +295,21 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
                "run in simulated time, as fast as the machine allows")
       ->group(kHandGroup);
   add_motors(app, request_.device);
-  add_touch(app, settings);
+  add_settings(app, request_.options, SettingGroup::kTouch);
   add_choice<A4Runs>(
       app, "--a4", request_.a4,
       {{"on", A4Runs::kOn}, {"off", A4Runs::kOff}, {"compare", A4Runs::kCompare}}, "compare",
       "turn the scene: on, off, or compare, which makes both runs; with --device: on "
       "or off [off]")
       ->group(kA4Group);
-  add_rotation(app, settings);
+  add_settings(app, request_.options, SettingGroup::kRotation);
   add_strategy(app, settings.strategy);
   app.add_option("--out", request_.out_dir, "folder of the traces and the picture")
       ->capture_default_str()
       ->group(kOutputGroup);
   add_record(app, request_.record);
-  add_output(app, settings, request_.json);
+  add_json(app, request_.json);
+  add_settings(app, request_.options, SettingGroup::kOutput);
   return &app;
 }
 

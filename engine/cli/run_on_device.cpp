@@ -237,7 +237,7 @@ void describe_device(const DeviceDescription& device, const IsGiven& is_given,
   settings.default_actuators = device.motor_count;
   settings.encoder_quantum_m = device.encoder_quantum_m;
   if (!is_given("--rate")) settings.rate_Hz = device.rate_Hz;
-  settings.a4 = request.a4 == A4Runs::kOn;
+  settings.haptics.a4.enabled = request.a4 == A4Runs::kOn;
 }
 
 int run_on_device(RunRequest request, const IsGiven& is_given) {

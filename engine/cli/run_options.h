@@ -2,6 +2,7 @@
 
 // The options of a run that the commands `run`, `replay` and `accuracy` share.
 
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,7 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "engine/session/run_setup.h"
+#include "engine/session/run_setting.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -24,40 +25,37 @@ struct RunOptions {
   std::string place;               // "x y z qw qx qy qz", m: T_device_scene at the start
   std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each: m/s and rad/s, scene axes
   bool is_quiet = false;           // make_setup() writes no line about a measured work budget
+  bool states_quantum = false;     // the help states the encoder quantum of the device
 };
 
-// Each add_ function adds the options of one group to a command. The options and settings must
-// outlive the parsing of the command line.
-void add_place(CLI::App& app, RunOptions& options);
-// quantum_help: the help text of --encoder-quantum.
-void add_device(CLI::App& app, RunOptions& options, const std::string& quantum_help);
-void add_workspace(CLI::App& app, DeviceDescription& device);
-// Adds --device-mass, --device-damping and --device-friction and returns them. These options have
-// no heading in the help yet; the caller sets it.
-std::vector<CLI::Option*> add_mechanics(CLI::App& app, DeviceDescription& device);
-void add_touch(CLI::App& app, RunSettings& settings);
-// Adds --table1 and --a4-step. Call this function after --a4 has been added.
-void add_rotation(CLI::App& app, RunSettings& settings);
+// Adds the options of one group to a command, with their help. The options must outlive the parsing
+// of the command line.
+void add_settings(CLI::App& app, RunOptions& options, SettingGroup group,
+                  RunSettingTable table = run_settings());
+// Adds the option of a number, a flag or a choice, which has no group yet.
+CLI::Option* add_setting(CLI::App& app, const RunSetting& setting, RunSettings& settings,
+                         const std::string& help);
 // Adds --cpu, which has no group yet.
 CLI::Option* add_cpu(CLI::App& app, std::optional<std::uint64_t>& cpu);
-void add_output(CLI::App& app, RunSettings& settings, bool& json);
+void add_json(CLI::App& app, bool& json);
 
 // Parses the texts and checks that all numbers are finite and in range. An Error names the option,
 // or the field of a setting; option_names.h maps such a field to its option.
 Result<RunSetup> make_setup(const RunOptions& options);
 
-// Adds an option whose argument is one of a few words, each of which stands for a value. usual: the
-// word for the default; the help shows this word.
-template <typename Value>
-CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
-                        const std::vector<std::pair<std::string, Value>>& choices,
-                        const std::string& usual, const std::string& help) {
+// Adds an option whose argument is one of a few words, each of which stands for a value that is
+// passed to put(). usual: the word for the default; the help shows this word.
+template <typename Value, typename Put>
+requires std::invocable<Put, Value> CLI::Option* add_choice(
+    CLI::App& app, const std::string& name, Put put,
+    const std::vector<std::pair<std::string, Value>>& choices, const std::string& usual,
+    const std::string& help) {
   std::string words;
   for (const auto& choice : choices) words += (words.empty() ? "" : ",") + choice.first;
-  const auto read = [&value, choices, name, words](const std::string& text) {
+  const auto read = [put, choices, name, words](const std::string& text) {
     for (const auto& choice : choices) {
       if (choice.first != text) continue;
-      value = choice.second;
+      put(choice.second);
       return;
     }
     throw CLI::ValidationError(name, "is \"" + text + "\"; expected one of " + words);
@@ -65,6 +63,15 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
   return app.add_option_function<std::string>(name, read, help)
       ->type_name("TEXT:{" + words + "}")
       ->default_str(usual);
+}
+
+// The same; the value is put into a variable.
+template <typename Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        const std::vector<std::pair<std::string, Value>>& choices,
+                        const std::string& usual, const std::string& help) {
+  return add_choice<Value>(
+      app, name, [&value](const Value& chosen) { value = chosen; }, choices, usual, help);
 }
 
 }  // namespace palpate

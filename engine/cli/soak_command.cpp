@@ -168,27 +168,26 @@ class SoakCommand final : public Command {
 CLI::App* SoakCommand::add_to(CLI::App& program) {
   RunSettings& settings = request_.options.settings;
   settings.default_actuators = 2;
-  settings.a4 = true;
+  settings.haptics.a4.enabled = true;
   request_.a4 = A4Runs::kOn;
   CLI::App& app = *program.add_subcommand(
       "soak", "run the haptic thread for a long time, and report late ticks and memory");
   set_help(app, "  ./run.sh soak models/star.glb --minutes 0.1\n");
   add_scene(app, request_.scene);
-  add_place(app, request_.options);
-  add_device(app, request_.options,
-             "step of the device's encoders, m; required by the adaptive estimator");
-  add_workspace(app, settings.device);
-  for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
+  add_settings(app, request_.options, SettingGroup::kScene);
+  add_settings(app, request_.options, SettingGroup::kDevice);
+  add_settings(app, request_.options, SettingGroup::kWorkspace);
+  add_settings(app, request_.options, SettingGroup::kMechanics);
   add_real(app, "--minutes", minutes_, {2.0 / 60.0, kMostMinutes}, "length of the run, minutes")
       ->group(kHandGroup);
   add_integer(app, "--seed", request_.exploration.seed, {}, "seed of the hand's noise and walk")
       ->group(kHandGroup);
   add_cpu(app, cpu_)->group(kHandGroup);
-  add_touch(app, settings);
-  add_choice<bool>(app, "--a4", settings.a4, {{"on", true}, {"off", false}}, "on",
+  add_settings(app, request_.options, SettingGroup::kTouch);
+  add_choice<bool>(app, "--a4", settings.haptics.a4.enabled, {{"on", true}, {"off", false}}, "on",
                    "turn the scene while in contact")
       ->group(kA4Group);
-  add_rotation(app, settings);
+  add_settings(app, request_.options, SettingGroup::kRotation);
   app.add_option("--out", request_.out_dir, "folder of the report, soak.txt and soak.json")
       ->capture_default_str()
       ->group(kOutputGroup);
@@ -196,7 +195,8 @@ CLI::App* SoakCommand::add_to(CLI::App& program) {
          "--cpu-times", keeps_cpu_times_,
          "also write cpu_ns.u32: the CPU time of each tick, ns, as a 32-bit number, little-endian")
       ->group(kOutputGroup);
-  add_output(app, settings, request_.json);
+  add_json(app, request_.json);
+  add_settings(app, request_.options, SettingGroup::kOutput);
   return &app;
 }
 

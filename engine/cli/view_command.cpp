@@ -231,11 +231,6 @@ class ViewCommand final : public Command {
 
  private:
   void add_page(CLI::App& app);
-  std::string quantum_text() const {
-    std::ostringstream text;
-    text << request_.run.options.settings.device.encoder_quantum_m;
-    return text.str();
-  }
 
   ViewRequest request_;
   CLI::App* app_ = nullptr;
@@ -253,18 +248,17 @@ CLI::App* ViewCommand::add_to(CLI::App& program) {
   set_help(app, "  ./run.sh view models/star.glb\n",
            "The printed address holds a secret: whoever has it can watch and move.\n");
   add_scene(app, run.scene, /* is_required = */ false);
-  add_place(app, run.options);
-  add_device(app, run.options,
-             "step of the device's encoders, m [" + quantum_text() +
-                 "]; required by the adaptive estimator");
-  add_workspace(app, settings.device);
-  for (CLI::Option* option : add_mechanics(app, settings.device)) option->group(kDeviceGroup);
+  add_settings(app, run.options, SettingGroup::kScene);
+  run.options.states_quantum = true;
+  add_settings(app, run.options, SettingGroup::kDevice);
+  add_settings(app, run.options, SettingGroup::kWorkspace);
+  add_settings(app, run.options, SettingGroup::kMechanics);
   add_motors(app, run.device);
-  add_touch(app, settings);
+  add_settings(app, run.options, SettingGroup::kTouch);
   add_choice<A4Runs>(app, "--a4", run.a4, {{"on", A4Runs::kOn}, {"off", A4Runs::kOff}}, "on",
                      "turn the scene at first: on or off")
       ->group(kA4Group);
-  add_rotation(app, settings);
+  add_settings(app, run.options, SettingGroup::kRotation);
   add_strategy(app, settings.strategy);
   add_record(app, run.record);
   add_page(app);

@@ -12,7 +12,7 @@
 #include "engine/recording/recorded_tick.h"
 #include "engine/recording/sha256.h"
 #include "engine/session/live_setting.h"
-#include "engine/session/run_setup.h"
+#include "engine/session/run_setting.h"
 #include "haptics/effects/effect.h"
 #include "io/gltf/file.h"
 #include "io/gltf/limits.h"
@@ -31,44 +31,20 @@ struct Choice {
   Enum last;
 };
 
+// A word among others, by its place.
+struct RecordedWord {
+  std::size_t value;
+  std::size_t last;
+
+  bool operator==(const RecordedWord&) const = default;
+};
+
 // The settings with their keys. `visit` writes them or reads them, so that both use the same keys.
 template <typename Visit>
 void visit_vector(const std::string& key, Vec3& v, Visit& visit) {
   visit(key + "_x", v.x());
   visit(key + "_y", v.y());
   visit(key + "_z", v.z());
-}
-
-template <typename Visit>
-void visit_haptics(HapticSettings& s, Visit& visit) {
-  Accuracy& accuracy = s.god_object.accuracy;
-  visit("proxy.radius_m", s.god_object.radius_m);
-  visit("proxy.iterations", accuracy.iterations);
-  visit("proxy.tolerance", accuracy.tolerance);
-  visit("proxy.narrow_phase", Choice<NarrowPhase>{accuracy.narrow_phase, NarrowPhase::kDouble});
-  visit("proxy.reuse_candidates", accuracy.reuse_candidates);
-  visit("proxy.certify", accuracy.certify);
-  visit("proxy.work_budget", accuracy.work_budget);
-  visit("coupling.stiffness_N_per_m", s.coupling.stiffness_N_per_m);
-  visit("coupling.damping_Ns_per_m", s.coupling.damping_Ns_per_m);
-  visit("coupling.velocity_method",
-        Choice<VelocityMethod>{s.coupling.velocity.method, VelocityMethod::kAdaptive});
-  visit("coupling.velocity_window_ticks", s.coupling.velocity.window_ticks);
-  visit("coupling.encoder_quantum_m", s.coupling.velocity.encoder_quantum_m);
-  visit("force", Choice<ForceMode>{s.force, ForceMode::kFull});
-  visit("a4.enabled", s.a4.enabled);
-  visit("a4.table1", Choice<Table1Form>{s.a4.table1, Table1Form::kAsPrinted});
-  visit("a4.step", Choice<StepRule>{s.a4.step, StepRule::kSpeedByDt});
-  visit("a4.speed_at_zero_rad_per_s", s.a4.profile.speed_at_zero_rad_per_s);
-  visit("a4.speed_at_knee_rad_per_s", s.a4.profile.speed_at_knee_rad_per_s);
-  visit("a4.knee_rad", s.a4.profile.knee_rad);
-  visit("plane_height_m", s.plane_height_m);
-  visit("initial_pose.q_w", s.initial_pose.rotation.w());
-  visit("initial_pose.q_x", s.initial_pose.rotation.x());
-  visit("initial_pose.q_y", s.initial_pose.rotation.y());
-  visit("initial_pose.q_z", s.initial_pose.rotation.z());
-  visit_vector("initial_pose.o_m", s.initial_pose.translation_m, visit);
-  visit("measures_effects", s.measures_effects);
 }
 
 // The keys exist only for a strategy that is more than force and A4.
@@ -89,7 +65,6 @@ void visit_setup(RecordedSetup& s, Visit& visit) {
   visit("scene.proxy_radius_m", s.scene.proxy_radius_m);
   visit("dt_s", s.dt_s);
   visit("virtual_time", s.virtual_time);
-  visit_haptics(s.haptics, visit);
 }
 
 template <typename Visit>
@@ -137,6 +112,9 @@ class MetaWriter {
   void operator()(const std::string& key, const Choice<Enum>& choice) {
     meta_[key] = static_cast<std::int64_t>(choice.value);
   }
+  void operator()(const std::string& key, const RecordedWord& word) {
+    meta_[key] = static_cast<std::int64_t>(word.value);
+  }
 
  private:
   RecordingMeta& meta_;
@@ -166,6 +144,12 @@ class MetaReader {
   void operator()(const std::string& key, const Choice<Enum>& choice) {
     if (const auto value = integer(key, 0, static_cast<std::int64_t>(choice.last))) {
       choice.value = static_cast<Enum>(*value);
+    }
+  }
+
+  void operator()(const std::string& key, RecordedWord& word) {
+    if (const auto value = integer(key, 0, static_cast<std::int64_t>(word.last))) {
+      word.value = static_cast<std::size_t>(*value);
     }
   }
 
@@ -200,9 +184,6 @@ class MetaReader {
   const RecordingMeta& meta_;
   std::optional<Error> error_;
 };
-
-// The key exists only for kForward, so that other recordings have the keys that they had before.
-constexpr const char* kAlignKey = "a4.align";
 
 // Recordings of before have neither key: their scenes were loaded without joining what meets within
 // the rounding of the file, and must be loaded like that again.
@@ -239,21 +220,66 @@ void read_choice(MetaReader& reader, SceneSettings& scene) {
   if (reader.has(kListedSceneKey)) reader(kListedSceneKey, scene.listed_scene);
 }
 
-void write_align(HapticSettings& settings, MetaWriter& writer) {
-  if (settings.a4.align == Alignment::kNearest) return;
-  writer(kAlignKey, Choice<Alignment>{settings.a4.align, Alignment::kForward});
+template <class Place>
+constexpr bool is_number =
+    std::is_same_v<Place, SettingPlace<bool>> || std::is_same_v<Place, SettingPlace<double>> ||
+    std::is_same_v<Place, SettingPlace<int>> || std::is_same_v<Place, SettingPlace<std::int64_t>>;
+
+// Calls use() with the value of a setting: a number, a flag, or the place of a word.
+template <class Use>
+void visit_value(const RunSetting& setting, HapticSettings& settings, Use use) {
+  std::visit(
+      [&](const auto& place) {
+        using Place = std::decay_t<decltype(place)>;
+        if constexpr (std::is_same_v<Place, SettingChoice>) {
+          RecordedWord word{place.get(settings), place.words.size() - 1};
+          use(word);
+          place.put(settings, word.value);
+        } else if constexpr (is_number<Place>) {
+          use(place.in_haptics(settings));
+        }
+      },
+      setting.value);
 }
 
-void read_align(MetaReader& reader, HapticSettings& settings) {
-  if (!reader.has(kAlignKey)) return;
-  reader(kAlignKey, Choice<Alignment>{settings.a4.align, Alignment::kForward});
+bool is_default(const RunSetting& setting, HapticSettings settings) {
+  HapticSettings defaults;
+  bool is_same = false;
+  visit_value(setting, settings, [&](auto& value) {
+    visit_value(setting, defaults, [&](auto& usual) {
+      if constexpr (std::is_same_v<decltype(value), decltype(usual)>) is_same = value == usual;
+    });
+  });
+  return is_same;
+}
+
+// is_for_all: the settings that all recordings have; otherwise those that came later.
+bool is_recorded(const RunSetting& setting, bool is_for_all) {
+  return (setting.recorded.turn > 0) == is_for_all;
+}
+
+void write_haptics(HapticSettings& settings, RunSettingTable table, MetaWriter& writer) {
+  for (const RunSetting* setting : by_recorded_turn(table)) {
+    if (is_recorded(*setting, false) && is_default(*setting, settings)) continue;
+    visit_value(*setting, settings,
+                [&](const auto& value) { writer(setting->recorded.name, value); });
+  }
+}
+
+void read_haptics(MetaReader& reader, RunSettingTable table, bool is_for_all,
+                  HapticSettings& settings) {
+  for (const RunSetting* setting : by_recorded_turn(table)) {
+    if (!is_recorded(*setting, is_for_all)) continue;
+    if (!is_for_all && !reader.has(setting->recorded.name)) continue;
+    visit_value(*setting, settings, [&](auto& value) { reader(setting->recorded.name, value); });
+  }
 }
 
 // After all other settings: forward is for one motor and the corrected Table 1.
 void check_recorded_align(MetaReader& reader, const RecordedSetup& setup) {
   const A4Settings& a4 = setup.haptics.a4;
   const auto error = check_align(a4.align, a4.table1, setup.actuation.actuators());
-  if (error) reader.fail(kAlignKey, error->problem);
+  if (error) reader.fail("a4.align", error->problem);
 }
 
 // Recordings of before the rule had a number do not have the key.
@@ -416,7 +442,8 @@ Result<std::vector<RecordedFile>> files_of(const Scene& scene, const std::string
   return files;
 }
 
-Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup) {
+Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup,
+                              RunSettingTable table) {
   const auto files = files_of(scene, setup.scene_path);
   if (!files) return files.error();
   RecordingMeta meta;
@@ -428,8 +455,8 @@ Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup) {
   meta["effects"] = effects_text();
   RecordedSetup copy = setup;
   visit_setup(copy, writer);
+  write_haptics(copy.haptics, table, writer);
   write_counting(copy.haptics.god_object.accuracy, writer);
-  write_align(copy.haptics, writer);
   write_strategy(copy.haptics, writer);
   std::error_code failed;
   meta["scene.place"] = fs::absolute(setup.scene_path, failed).string();
@@ -458,7 +485,7 @@ RecordingMeta meta_of(const SessionFacts& facts) {
   return meta;
 }
 
-Result<RecordedSession> session_of(const RecordingMeta& meta) {
+Result<RecordedSession> session_of(const RecordingMeta& meta, RunSettingTable table) {
   MetaReader reader(meta);
   RecordedSession session;
   reader("engine", session.engine);
@@ -467,8 +494,9 @@ Result<RecordedSession> session_of(const RecordingMeta& meta) {
   check_table("columns", recorded_columns_json(session.version), reader);
   check_table("effects", effects_text(), reader);
   visit_setup(session.setup, reader);
+  read_haptics(reader, table, true, session.setup.haptics);
   read_counting(reader, session.setup.haptics.god_object.accuracy);
-  read_align(reader, session.setup.haptics);
+  read_haptics(reader, table, false, session.setup.haptics);
   read_strategy(reader, session.setup.haptics);
   reader("scene.place", session.scene_place);
   std::string overrides;

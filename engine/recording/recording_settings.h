@@ -10,7 +10,7 @@
 #include "engine/recording/recording_meta.h"
 #include "engine/recording/recording_schema.h"
 #include "engine/scene/scene.h"
-#include "engine/session/run_setup.h"
+#include "engine/session/run_setting.h"
 #include "engine/session/tick_sink.h"
 #include "geometry/base/result.h"
 
@@ -54,12 +54,14 @@ const char* engine_version();
 Result<std::vector<RecordedFile>> files_of(const Scene& scene, const std::string& path);
 
 // The meta of a recording that begins. setup.scene.scale: see scene.statistics().scale.
-Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup);
+Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup,
+                              RunSettingTable table = run_settings());
 // What the start of the session adds.
 RecordingMeta meta_of(const SessionFacts& facts);
 
 // Reads the meta of a file that may be hostile: every value must be there, of its type, and in its
 // range; the caller still checks the settings as those of any run. Error::element is the key.
-Result<RecordedSession> session_of(const RecordingMeta& meta);
+Result<RecordedSession> session_of(const RecordingMeta& meta,
+                                   RunSettingTable table = run_settings());
 
 }  // namespace palpate

@@ -109,8 +109,8 @@ std::optional<Error> check_fits(const Workspace& workspace, const Box& bounds_de
     hint << "scale the scene with `SceneSettings::fit_size_m` " << *size_m
          << ", the value of `fitting_size_m()`";
   } else {
-    hint
-        << "rotate the scene with `RunSettings::place`, to give it an extent along the sensed axes";
+    hint << "rotate the scene with `HapticSettings::initial_pose`, to give it an extent along the "
+            "sensed axes";
   }
   return Error{ErrorCode::kInvalidArgument, "", "scene", problem.str(), hint.str()};
 }

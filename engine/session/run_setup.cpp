@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/session/run_setting.h"
 #include "haptics/check_settings.h"
 
 namespace palpate {
@@ -28,35 +29,37 @@ Result<ActuationModel> make_actuation(const RunSettings& settings) {
   return ActuationModel::from_axes(settings.sensors, axes);
 }
 
-std::optional<Error> check_number(const char* name, double value, bool zero_allowed) {
-  if (std::isfinite(value) && (value > 0.0 || (zero_allowed && value == 0.0))) return std::nullopt;
-  std::ostringstream text;
-  text << "is " << value << "; expected a finite number " << (zero_allowed ? ">= 0" : "> 0");
-  return invalid_argument(name, text.str());
-}
-
-std::optional<Error> check_numbers(const RunSettings& o) {
-  if (auto e = check_number("rate_Hz", o.rate_Hz, false)) return e;
-  if (!is_time_step(1.0 / o.rate_Hz)) {
-    std::ostringstream text;
-    text << "is " << o.rate_Hz << " Hz; expected at least " << 1.0 / kLongestTick_s << " Hz";
-    return invalid_argument("rate_Hz", text.str(), "use for example 1000 Hz");
-  }
-  if (auto e = check_number("stiffness_N_per_m", o.stiffness_N_per_m, true)) return e;
-  if (auto e = check_number("damping_Ns_per_m", o.damping_Ns_per_m, true)) return e;
-  if (auto e = check_number("radius_m", o.radius_m, true)) return e;
-  if (!std::isfinite(o.plane_height_m.value_or(0.0))) {
-    return invalid_argument(
-        "plane_height_m", "is " + std::to_string(*o.plane_height_m) + "; expected a finite number");
+// Checks the numbers of one type.
+template <class Number>
+std::optional<Error> check_numbers(RunSettings settings) {
+  for (const RunSetting& setting : run_settings()) {
+    if (setting.option.empty()) continue;  // check_setup() checks it
+    // A driver may leave out the mechanics of its device.
+    if (setting.group == SettingGroup::kMechanics) continue;
+    std::optional<Number> value;
+    if (const auto* at = std::get_if<SettingPlace<Number>>(&setting.value)) {
+      value = at->of(settings);
+    } else if (const auto* maybe =
+                   std::get_if<SettingPlace<std::optional<Number>>>(&setting.value)) {
+      value = maybe->of(settings);
+    }
+    if (!value) continue;
+    if (auto error = check_range(setting, *value)) return error;
   }
   return std::nullopt;
+}
+
+std::optional<Error> check_rate(double rate_Hz) {
+  if (is_time_step(1.0 / rate_Hz)) return std::nullopt;
+  std::ostringstream text;
+  text << "is " << rate_Hz << " Hz; expected at least " << 1.0 / kLongestTick_s << " Hz";
+  return invalid_argument("rate_Hz", text.str(), "use for example 1000 Hz");
 }
 
 // A limit may only lower the peak force of the device.
 std::optional<Error> check_max_force(const RunSettings& settings) {
   if (!settings.max_force_N) return std::nullopt;
   const double limit_N = *settings.max_force_N;
-  if (auto e = check_number("max_force_N", limit_N, false)) return e;
   const double peak_N = settings.device.peak_force_N;
   if (peak_N <= 0.0 || limit_N <= peak_N) return std::nullopt;
   std::ostringstream text;
@@ -66,20 +69,11 @@ std::optional<Error> check_max_force(const RunSettings& settings) {
 }
 
 Result<VelocitySettings> make_velocity(const RunSettings& settings) {
-  VelocitySettings velocity;
-  velocity.method = settings.velocity_estimator;
-  velocity.window_ticks = settings.velocity_window_ticks;
-  if (velocity.window_ticks < 1 || velocity.window_ticks > VelocityEstimator::kMostTicks) {
-    return invalid_argument("velocity_window_ticks",
-                            "is " + std::to_string(velocity.window_ticks) +
-                                " ticks; expected 1 to " +
-                                std::to_string(VelocityEstimator::kMostTicks));
-  }
+  VelocitySettings velocity = settings.haptics.coupling.velocity;
   if (settings.encoder_quantum_m) {
     velocity.encoder_quantum_m = *settings.encoder_quantum_m;
-    if (auto e = check_number("encoder_quantum_m", velocity.encoder_quantum_m, false)) return *e;
   } else if (velocity.method == VelocityMethod::kAdaptive) {
-    return invalid_argument("velocity_estimator",
+    return invalid_argument("coupling.velocity.method",
                             "is adaptive, which requires `RunSettings::encoder_quantum_m`",
                             "give the step of the device's encoders, such as "
                             "`RunSettings::encoder_quantum_m` 2e-5");
@@ -106,25 +100,27 @@ DeviceDescription device_of(const RunSettings& settings, const ActuationModel& a
 std::optional<Error> check_align(Alignment align, Table1Form table1, int actuators) {
   if (align == Alignment::kNearest) return std::nullopt;
   if (actuators != 1) {
-    return invalid_argument("align",
+    return invalid_argument("a4.align",
                             "is forward, which is for one motor, but the device has " +
                                 std::to_string(actuators) + "; expected nearest",
                             "use one motor, or leave the setting out");
   }
   if (table1 == Table1Form::kCorrected) return std::nullopt;
   return invalid_argument(
-      "align",
-      "is forward together with `RunSettings::table1` printed, which has a rule "
+      "a4.align",
+      "is forward together with `HapticSettings::a4.table1` printed, which has a rule "
       "of its own; expected one of them",
       "leave one of the two out");
 }
 
 Result<RunSetup> make_setup(const RunSettings& settings) {
-  if (auto error = check_numbers(settings)) return *error;
+  if (auto error = check_numbers<double>(settings)) return *error;
+  if (auto error = check_rate(settings.rate_Hz)) return *error;
   if (auto error = check_max_force(settings)) return *error;
   const auto actuation = make_actuation(settings);
   if (!actuation) return actuation.error();
-  if (auto error = check_align(settings.align, settings.table1, actuation->actuators())) {
+  if (auto error = check_align(settings.haptics.a4.align, settings.haptics.a4.table1,
+                               actuation->actuators())) {
     return *error;
   }
   if (settings.work_budget && *settings.work_budget < 1) {
@@ -138,6 +134,7 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
                                 "of them",
                             "leave one of the two out");
   }
+  if (auto error = check_numbers<int>(settings)) return *error;
   const auto velocity = make_velocity(settings);
   if (!velocity) return velocity.error();
   RunSetup setup{*actuation,
@@ -146,23 +143,15 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
                  settings.moves,
                  settings.max_force_N,
                  device_of(settings, *actuation)};
-  setup.haptics.god_object.radius_m = settings.radius_m;
-  setup.haptics.god_object.accuracy = settings.accuracy;
+  setup.haptics = settings.haptics;
   if (settings.work_budget) setup.haptics.god_object.accuracy.work_budget = *settings.work_budget;
   if (settings.measures_work_budget) {
     setup.measured_budget = measured_work_budget(setup.dt_s);
     setup.haptics.god_object.accuracy.work_budget = setup.measured_budget->units;
   }
-  setup.haptics.coupling = {settings.stiffness_N_per_m, settings.damping_Ns_per_m, *velocity};
-  setup.haptics.force = settings.force;
-  setup.haptics.a4.enabled = settings.a4;
+  setup.haptics.coupling.velocity = *velocity;
   if (settings.strategy) set_strategy(*settings.strategy, setup.haptics);
-  setup.haptics.a4.table1 = settings.table1;
-  setup.haptics.a4.align = settings.align;
-  setup.haptics.a4.step = settings.a4_step;
   setup.haptics.plane_height_m = settings.plane_height_m.value_or(0.0);
-  setup.haptics.initial_pose = settings.place;
-  setup.haptics.measures_effects = settings.effect_times;
   return setup;
 }
 

@@ -17,7 +17,13 @@
 
 namespace palpate {
 
-// The settings of a run. make_setup() checks them.
+inline HapticSettings settings_without_a4() {
+  HapticSettings settings;
+  settings.a4.enabled = false;
+  return settings;
+}
+
+// The settings of a run. make_setup() checks them. run_setting.h lists them.
 struct RunSettings {
   int sensors = 3;
   // The number of actuators. If there is no value, the number is the size of actuated_axes or, if
@@ -25,33 +31,21 @@ struct RunSettings {
   std::optional<int> actuators;
   int default_actuators = 3;
   std::vector<Vec3> actuated_axes;  // directions, device frame; empty: A1, A2, A3 in this order
-  ForceMode force = ForceMode::kActuated;
-  bool a4 = false;
-  // Replaces `force` and `a4`. No value: the two count.
+  // The settings below replace some of them. Alignment::kForward is for one actuator and the
+  // corrected Table 1; make_setup() refuses other combinations.
+  HapticSettings haptics = settings_without_a4();
+  // Replaces haptics.force and haptics.a4.enabled. No value: the two count.
   std::optional<Strategy> strategy = {};
-  Table1Form table1 = Table1Form::kCorrected;
-  // kForward is for one actuator and the corrected Table 1; make_setup() refuses other
-  // combinations.
-  Alignment align = Alignment::kNearest;
-  StepRule a4_step = StepRule::kExact;
-  Accuracy accuracy;
-  // See haptics/proxy/work.h. No value: the work budget of `accuracy`.
+  // See haptics/proxy/work.h. No value: the work budget of haptics.god_object.accuracy.
   std::optional<std::int64_t> work_budget = {};
   // If true, make_setup() chooses the work budget for this machine and this rate (work_price.h);
   // work_budget must then have no value.
   bool measures_work_budget = false;
   double rate_Hz = 1000.0;
-  double stiffness_N_per_m = CouplingSettings{}.stiffness_N_per_m;
-  double damping_Ns_per_m = CouplingSettings{}.damping_Ns_per_m;
-  VelocityMethod velocity_estimator = VelocityMethod::kDifference;
-  int velocity_window_ticks = 1;
   std::optional<double> max_force_N;        // lowers the device's peak force; no value: not lowered
   std::optional<double> encoder_quantum_m;  // quantum of the device and of the adaptive estimator
-  double radius_m = 0.0;
   std::optional<double> plane_height_m;  // for a planar device; no value: chosen by the run, or 0
-  ScenePose place;                       // T_device_scene at the start
   std::vector<SteadyMotion> moves;
-  bool effect_times = false;
   // The settings above replace the sensed axes, the motors and the rate of this description. If
   // encoder_quantum_m has a value, this value replaces the encoder quantum of the description.
   DeviceDescription device = light_device();
@@ -68,10 +62,10 @@ struct RunSetup {
 };
 
 // Checks that all settings are finite and within their ranges, and creates the setup. An error
-// names the field of RunSettings.
+// names the field of RunSettings or, without `haptics.`, of its HapticSettings.
 Result<RunSetup> make_setup(const RunSettings& settings);
 
-// An error names the field of RunSettings: kForward is refused unless there is one actuator, and
+// An error names the field of HapticSettings: kForward is refused unless there is one actuator, and
 // with Table 1 as printed.
 std::optional<Error> check_align(Alignment align, Table1Form table1, int actuators);
 

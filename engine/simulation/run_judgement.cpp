@@ -50,7 +50,7 @@ std::string unreached_rest_text(const ExplorationRun& run) {
   text << "the hand did not reach the rest; other parts may cover it, or it is smaller than the "
           "press depth of the hand";
   if (run.proxy_radius_m > 0.0) {
-    text << ", or the sphere of `RunSettings::radius_m` " << run.proxy_radius_m
+    text << ", or the sphere of `HapticSettings::god_object.radius_m` " << run.proxy_radius_m
          << " m is too large to enter";
   }
   return text.str();

@@ -144,7 +144,7 @@ Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const 
   settings.scale *= scale;
   settings.fit_size_m *= scale;
   settings.close_gaps_m *= scale;  // joins the same edges in every size
-  settings.proxy_radius_m = plan.device.radius_m;
+  settings.proxy_radius_m = plan.device.haptics.god_object.radius_m;
   auto scene = Scene::load(object.path, settings);
   if (!scene) return scene_error(scene.error(), object);
   if (auto error = check_tick_rate(scene->effects(), plan.device.rate_Hz)) {

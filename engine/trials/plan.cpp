@@ -164,7 +164,7 @@ void read_align(ObjectReader& reader, ExperimentPlan& plan) {
   std::size_t place = 0;
   reader.choice("align", place, words_of(kAlignmentNames), Key::kOptional);
   if (!reader.ok()) return;
-  plan.device.align = static_cast<Alignment>(place);
+  plan.device.haptics.a4.align = static_cast<Alignment>(place);
   const auto setup = make_setup(plan.device);
   if (setup) return;
   Error error = as_plan_error(setup.error(), "");

@@ -1,7 +1,8 @@
 #include "engine/trials/plan_device.h"
 
+#include <algorithm>
 #include <array>
-#include <limits>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,20 +19,6 @@ namespace palpate {
 namespace {
 
 using Key = ObjectReader::Key;
-
-// Longer than any useful tick, and small enough that no sum of work overflows.
-constexpr std::uint64_t kMostPlanWork = 1'000'000'000'000;
-
-constexpr std::array<std::string_view, 3> kPlanPresets = {"fast", "balanced", "exact"};
-
-constexpr NumberRange kPlanAboveZero{0.0, std::numeric_limits<double>::infinity(), true};
-constexpr NumberRange kPlanZeroOrMore{0.0};
-constexpr NumberRange kPlanAnyNumber{};
-
-constexpr std::array<std::pair<std::string_view, VelocityMethod>, 3> kPlanEstimators = {
-    {{"difference", VelocityMethod::kDifference},
-     {"line", VelocityMethod::kLineFit},
-     {"adaptive", VelocityMethod::kAdaptive}}};
 
 Error device_error(std::string element, std::string problem, std::string hint = {},
                    ErrorCode code = ErrorCode::kInvalidContent) {
@@ -62,97 +49,178 @@ void read_axes(ObjectReader& reader, RunSettings& settings) {
   }
 }
 
-// Two sensors, and the motors.
-void read_motors(ObjectReader& reader, RunSettings& settings) {
+void write_axes(const RunSettings& settings, nlohmann::ordered_json& json) {
+  if (settings.actuated_axes.empty()) return;
+  auto& axes = json["actuated_axes"] = nlohmann::ordered_json::array();
+  for (const Vec3& axis : settings.actuated_axes) axes.push_back({axis.x(), axis.y(), axis.z()});
+}
+
+void read_sensors(ObjectReader& reader, RunSettings& settings) {
   reader.whole("sensors", settings.sensors, 1, 3);
-  if (reader.ok() && settings.sensors != 2) {
-    reader.fail(device_error(
-        reader.element_of("sensors"), "is " + std::to_string(settings.sensors) + "; expected 2",
-        "an experiment with another number is not supported yet", ErrorCode::kUnsupported));
-  }
-  read_axes(reader, settings);
+  if (!reader.ok() || settings.sensors == 2) return;
+  reader.fail(device_error(
+      reader.element_of("sensors"), "is " + std::to_string(settings.sensors) + "; expected 2",
+      "an experiment with another number is not supported yet", ErrorCode::kUnsupported));
+}
+
+void write_sensors(const RunSettings& settings, nlohmann::ordered_json& json) {
+  json["sensors"] = settings.sensors;
+}
+
+void read_actuators(ObjectReader& reader, RunSettings& settings) {
   std::uint64_t actuators = 3;  // none is stated
   const bool is_required = settings.actuated_axes.empty();
   reader.whole("actuators", actuators, 0, 2, is_required ? Key::kRequired : Key::kOptional);
   if (actuators <= 2) settings.actuators = static_cast<int>(actuators);
 }
 
+void write_actuators(const RunSettings& settings, nlohmann::ordered_json& json) {
+  if (!settings.actuators && !settings.actuated_axes.empty()) return;
+  json["actuators"] = settings.actuators.value_or(settings.default_actuators);
+}
+
 void read_place(ObjectReader& reader, RunSettings& settings) {
   std::vector<double> n;
   reader.numbers("place", n, 7, Key::kOptional);
   if (n.empty()) return;
-  settings.place = {Quat(n[3], n[4], n[5], n[6]), Vec3(n[0], n[1], n[2])};
-  if (is_pose(settings.place)) {
-    settings.place = unit_pose(settings.place);
+  ScenePose& place = settings.haptics.initial_pose;
+  place = {Quat(n[3], n[4], n[5], n[6]), Vec3(n[0], n[1], n[2])};
+  if (is_pose(place)) {
+    place = unit_pose(place);
     return;
   }
-  reader.fail(device_error(reader.element_of("place"),
-                           "has a quaternion of length " +
-                               std::to_string(settings.place.rotation.norm()) + "; expected 1",
-                           "write x y z in metres, then a unit quaternion w x y z"));
+  reader.fail(device_error(
+      reader.element_of("place"),
+      "has a quaternion of length " + std::to_string(place.rotation.norm()) + "; expected 1",
+      "write x y z in metres, then a unit quaternion w x y z"));
 }
 
-void read_proxy(ObjectReader& reader, RunSettings& settings) {
-  std::size_t preset = 1;
-  reader.choice("accuracy", preset, {kPlanPresets.begin(), kPlanPresets.end()}, Key::kOptional);
-  settings.accuracy = *accuracy_preset(kPlanPresets[preset]);
+void write_place(const RunSettings& settings, nlohmann::ordered_json& json) {
+  const Vec3& p = settings.haptics.initial_pose.translation_m;
+  const Quat& q = settings.haptics.initial_pose.rotation;
+  json["place"] = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
+}
+
+void read_work_budget(ObjectReader& reader, RunSettings& settings) {
+  const NumberRange range = run_setting("--work-budget").range;
   std::uint64_t budget = 0;
-  reader.whole("work_budget", budget, 1, kMostPlanWork, Key::kOptional);
+  reader.whole("work_budget", budget, static_cast<std::uint64_t>(range.least),
+               static_cast<std::uint64_t>(range.most), Key::kOptional);
   if (budget > 0) settings.work_budget = static_cast<std::int64_t>(budget);
-  reader.number("radius_m", settings.radius_m, kPlanZeroOrMore, Key::kOptional);
-  reader.number("plane_height_m", settings.plane_height_m, kPlanAnyNumber);
 }
 
-void read_coupling(ObjectReader& reader, RunSettings& settings) {
-  reader.number("rate_Hz", settings.rate_Hz, kPlanAboveZero);
-  reader.number("stiffness_N_per_m", settings.stiffness_N_per_m, kPlanZeroOrMore);
-  reader.number("damping_Ns_per_m", settings.damping_Ns_per_m, kPlanZeroOrMore);
-  std::size_t estimator = 0;
-  std::vector<std::string_view> words;
-  for (const auto& [name, method] : kPlanEstimators) words.push_back(name);
-  reader.choice("velocity_estimator", estimator, words, Key::kOptional);
-  settings.velocity_estimator = kPlanEstimators[estimator].second;
-  reader.whole("velocity_window_ticks", settings.velocity_window_ticks, 1,
-               VelocityEstimator::kMostTicks, Key::kOptional);
-  reader.number("encoder_quantum_m", settings.encoder_quantum_m, kPlanAboveZero);
-  reader.number("max_force_N", settings.max_force_N, kPlanAboveZero);
+void write_work_budget(const RunSettings& settings, nlohmann::ordered_json& json) {
+  if (settings.work_budget) json["work_budget"] = *settings.work_budget;
 }
 
-void read_a4(ObjectReader& reader, RunSettings& settings) {
-  std::size_t table = 0;
-  reader.choice("table1", table, {"corrected", "printed"}, Key::kOptional);
-  settings.table1 = table == 0 ? Table1Form::kCorrected : Table1Form::kAsPrinted;
-  std::size_t step = 0;
-  reader.choice("a4_step", step, {"exact", "paper"}, Key::kOptional);
-  settings.a4_step = step == 0 ? StepRule::kExact : StepRule::kSpeedByDt;
-}
-
-void read_mechanics(ObjectReader& reader, DeviceDescription& device) {
+void read_workspace(ObjectReader& reader, RunSettings& settings) {
   std::optional<double> workspace_m;
-  reader.number("workspace_m", workspace_m, kPlanAboveZero);
-  if (workspace_m) set_workspace_extent(device, *workspace_m);
-  reader.number("device_mass_kg", device.mass_kg, kPlanAboveZero, Key::kOptional);
-  reader.number("device_damping_Ns_per_m", device.damping_Ns_per_m, kPlanZeroOrMore,
-                Key::kOptional);
-  reader.number("device_friction_N", device.coulomb_friction_N, kPlanZeroOrMore, Key::kOptional);
+  reader.number("workspace_m", workspace_m, kAboveZero);
+  if (workspace_m) set_workspace_extent(settings.device, *workspace_m);
 }
 
-// Fields of settings and the keys of the plan, where they differ.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kOtherNames = {{
+void write_workspace(const RunSettings& settings, nlohmann::ordered_json& json) {
+  json["workspace_m"] = workspace_extent_m(settings.device);
+}
+
+// The keys that are read in a way of their own.
+struct OwnKey {
+  std::string_view key;
+  void (*read)(ObjectReader&, RunSettings&);
+  void (*write)(const RunSettings&, nlohmann::ordered_json&);
+};
+
+constexpr OwnKey kOwnKeys[] = {
+    {"sensors", read_sensors, write_sensors},
+    {"actuated_axes", read_axes, write_axes},
+    {"actuators", read_actuators, write_actuators},
+    {"work_budget", read_work_budget, write_work_budget},
+    {"place", read_place, write_place},
+    {"workspace_m", read_workspace, write_workspace},
+};
+
+// Null if the table says how to read the key.
+const OwnKey* own_key(std::string_view key) {
+  const auto* const found = std::find_if(std::begin(kOwnKeys), std::end(kOwnKeys),
+                                         [&](const OwnKey& own) { return own.key == key; });
+  return found == std::end(kOwnKeys) ? nullptr : found;
+}
+
+// Reads the value of a setting from a plan.
+struct KeyReader {
+  ObjectReader& reader;
+  const RunSetting& setting;
+  RunSettings& settings;
+
+  const char* key() const { return setting.plan.name; }
+  Key need() const { return setting.plan.is_required ? Key::kRequired : Key::kOptional; }
+  NumberRange range() const { return setting.plan.range.value_or(setting.range); }
+
+  void operator()(const OwnSetting&) const {}
+  void operator()(const SettingPlace<bool>& at) const {
+    reader.flag(key(), at.of(settings), need());
+  }
+  void operator()(const SettingPlace<double>& at) const {
+    reader.number(key(), at.of(settings), range(), need());
+  }
+  void operator()(const SettingPlace<std::optional<double>>& at) const {
+    reader.number(key(), at.of(settings), range());
+  }
+  template <class Whole>
+  void operator()(const SettingPlace<Whole>& at) const {
+    at.of(settings) = static_cast<Whole>(whole(static_cast<int>(at.of(settings))));
+  }
+  void operator()(const SettingPlace<std::optional<int>>& at) const {
+    const int least = static_cast<int>(range().least);
+    const int value = whole(at.of(settings).value_or(least - 1));
+    if (value >= least) at.of(settings) = value;
+  }
+  void operator()(const SettingChoice& choice) const {
+    std::size_t word = choice.get(settings.haptics);
+    reader.choice(key(), word, {choice.words.begin(), choice.words.end()}, need());
+    if (word < choice.words.size()) choice.put(settings.haptics, word);
+  }
+
+  int whole(int value) const {
+    reader.whole(key(), value, static_cast<int>(range().least), static_cast<int>(range().most),
+                 need());
+    return value;
+  }
+};
+
+// Writes the value of a setting into a plan.
+struct KeyWriter {
+  const RunSetting& setting;
+  RunSettings& settings;
+  nlohmann::ordered_json& json;
+
+  void operator()(const OwnSetting&) const {}
+  template <class Value>
+  void operator()(const SettingPlace<Value>& at) const {
+    json[setting.plan.name] = at.of(settings);
+  }
+  template <class Value>
+  void operator()(const SettingPlace<std::optional<Value>>& at) const {
+    if (at.of(settings)) json[setting.plan.name] = *at.of(settings);
+  }
+  void operator()(const SettingChoice& choice) const {
+    const std::size_t word = choice.get(settings.haptics);
+    if (word < choice.words.size()) json[setting.plan.name] = choice.words[word];
+  }
+};
+
+// Fields of settings that are no keys of `device`, and the keys of the plan, where they differ.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kOtherNames = {{
     {"listed_scene", "scene"},
     {"feels_hidden", "feel_hidden"},
-    {"coupling.stiffness_N_per_m", "stiffness_N_per_m"},
-    {"coupling.damping_Ns_per_m", "damping_Ns_per_m"},
-    {"god_object.radius_m", "radius_m"},
     {"god_object.accuracy.work_budget", "work_budget"},
-    {"initial_pose", "place"},
-    {"device.workspace", "workspace_m"},
-    {"device.mass_kg", "device_mass_kg"},
-    {"device.damping_Ns_per_m", "device_damping_Ns_per_m"},
-    {"device.coulomb_friction_N", "device_friction_N"},
+    {"a4.align", "align"},
 }};
 
 std::string plan_key(std::string_view field) {
+  for (const RunSetting& setting : run_settings()) {
+    if (setting.plan.name && setting.field == field) return setting.plan.name;
+  }
   for (const auto& [name, key] : kOtherNames) {
     if (name == field) return std::string(key);
   }
@@ -181,56 +249,33 @@ std::string with_plan_keys(std::string text) {
 
 }  // namespace
 
-Result<RunSettings> read_plan_device(const nlohmann::json& device, const std::string& element) {
+Result<RunSettings> read_plan_device(const nlohmann::json& device, const std::string& element,
+                                     RunSettingTable table) {
   RunSettings settings;
   settings.default_actuators = 1;
   ObjectReader reader(device, element);
-  read_motors(reader, settings);
-  read_coupling(reader, settings);
-  read_proxy(reader, settings);
-  read_place(reader, settings);
-  read_a4(reader, settings);
-  read_mechanics(reader, settings.device);
+  for (const RunSetting* setting : by_plan_turn(table)) {
+    if (const OwnKey* own = own_key(setting->plan.name)) {
+      own->read(reader, settings);
+    } else {
+      std::visit(KeyReader{reader, *setting, settings}, setting->value);
+    }
+  }
   if (auto error = reader.finish()) return *error;
   const auto setup = make_setup(settings);
   if (!setup) return as_plan_error(setup.error(), element);
   return settings;
 }
 
-nlohmann::ordered_json plan_device_json(const RunSettings& settings) {
-  nlohmann::ordered_json json = {{"sensors", settings.sensors}};
-  if (!settings.actuated_axes.empty()) {
-    auto& axes = json["actuated_axes"] = nlohmann::ordered_json::array();
-    for (const Vec3& axis : settings.actuated_axes) axes.push_back({axis.x(), axis.y(), axis.z()});
+nlohmann::ordered_json plan_device_json(RunSettings settings, RunSettingTable table) {
+  nlohmann::ordered_json json;
+  for (const RunSetting* setting : by_plan_turn(table)) {
+    if (const OwnKey* own = own_key(setting->plan.name)) {
+      own->write(settings, json);
+    } else {
+      std::visit(KeyWriter{*setting, settings, json}, setting->value);
+    }
   }
-  if (settings.actuators || settings.actuated_axes.empty()) {
-    json["actuators"] = settings.actuators.value_or(settings.default_actuators);
-  }
-  json["rate_Hz"] = settings.rate_Hz;
-  json["stiffness_N_per_m"] = settings.stiffness_N_per_m;
-  json["damping_Ns_per_m"] = settings.damping_Ns_per_m;
-  for (const auto& [name, method] : kPlanEstimators) {
-    if (method == settings.velocity_estimator) json["velocity_estimator"] = name;
-  }
-  json["velocity_window_ticks"] = settings.velocity_window_ticks;
-  if (settings.encoder_quantum_m) json["encoder_quantum_m"] = *settings.encoder_quantum_m;
-  if (settings.max_force_N) json["max_force_N"] = *settings.max_force_N;
-  for (const std::string_view name : kPlanPresets) {  // the work budget tells the presets apart
-    if (accuracy_preset(name)->work_budget == settings.accuracy.work_budget)
-      json["accuracy"] = name;
-  }
-  if (settings.work_budget) json["work_budget"] = *settings.work_budget;
-  json["radius_m"] = settings.radius_m;
-  if (settings.plane_height_m) json["plane_height_m"] = *settings.plane_height_m;
-  const Vec3& p = settings.place.translation_m;
-  const Quat& q = settings.place.rotation;
-  json["place"] = {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
-  json["table1"] = settings.table1 == Table1Form::kCorrected ? "corrected" : "printed";
-  json["a4_step"] = settings.a4_step == StepRule::kExact ? "exact" : "paper";
-  json["workspace_m"] = workspace_extent_m(settings.device);
-  json["device_mass_kg"] = settings.device.mass_kg;
-  json["device_damping_Ns_per_m"] = settings.device.damping_Ns_per_m;
-  json["device_friction_N"] = settings.device.coulomb_friction_N;
   return json;
 }
 

@@ -4,7 +4,6 @@
 // error, because otherwise a misspelt key would silently leave a default unchanged.
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/session/number_range.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -31,14 +31,6 @@ Result<nlohmann::json> parse_strict_json(std::string_view text, const std::strin
 // The content of a file of at most kMostSettingsBytes.
 Result<std::string> read_settings_text(const std::string& path);
 
-// A range of numbers; is_least_out: it excludes `least` itself.
-struct NumberRange {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
-  bool is_least_out = false;
-
-  bool contains(double x) const { return x >= least && x <= most && !(is_least_out && x == least); }
-};
 // "a number above 0 and at most 100", "a number from 2 to 3", "a finite number"
 std::string text_of(const NumberRange& range);
 

@@ -129,7 +129,7 @@ void read_angles(ObjectReader& reader, std::vector<double>& angles_deg) {
 void check_workspace(ObjectReader& reader, const CanonicalPlan& plan) {
   if (!reader.ok()) return;
   const double outside_m =
-      plan.device.radius_m +
+      plan.device.haptics.god_object.radius_m +
       kComesFrom * range_of_person(plan.person, &OperatorParameters::press_depth_m).high;
   const double least_m = in_decimals(2.0 * (kStroke_m + outside_m));
   const double extent_m = workspace_extent_m(plan.device.device);

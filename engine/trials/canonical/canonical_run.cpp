@@ -95,7 +95,7 @@ Result<DealtOutcome> run_canonical(const CanonicalPlan& plan, const DealtSetting
                                    const StopFlag* stop) {
   const auto device = make_setup(plan.device);
   if (!device) return device_error(device.error(), plan);
-  const auto wall = canonical_wall(plan.device.radius_m);
+  const auto wall = canonical_wall(plan.device.haptics.god_object.radius_m);
   if (!wall) return device_error(wall.error(), plan);
   if (auto error = check_trials(plan, *wall, *device)) return *error;
   return run_dealt(dealt_canonical(plan, *wall, *device), settings, progress, stop);

@@ -108,7 +108,7 @@ std::string plan_text(const CompareSettings& settings, CompareHands hands, const
                {"objects", objects},
                {"operator", is_shipped ? settings.person : path_of(settings.person)},
                {"followings", followings}};
-  if (settings.device.align == Alignment::kForward) plan["align"] = "forward";
+  if (settings.device.haptics.a4.align == Alignment::kForward) plan["align"] = "forward";
   return plan.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

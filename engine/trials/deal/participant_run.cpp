@@ -70,7 +70,7 @@ TrialRow row_of(const ExperimentPlan& plan, int participant, const PlannedTrial&
     row.rotation = kRotationNames[c.rotation];
   }
   row.view = kViewNames[static_cast<std::size_t>(trial.variant.view)];
-  row.align = kAlignmentNames[static_cast<std::size_t>(plan.device.align)];
+  row.align = kAlignmentNames[static_cast<std::size_t>(plan.device.haptics.a4.align)];
   row.start_orientation_deg = plan.start_orientation_deg[trial.variant.start];
   row.scale = plan.scale[trial.variant.scale];
   return row;

@@ -71,13 +71,13 @@ const std::array<SweepParameter, kSweepParameterCount>& sweep_parameters() {
 std::optional<double> sweep_value(const ExperimentPlan& plan, std::size_t parameter) {
   switch (parameter) {
     case kDeviceStiffness:
-      return plan.device.stiffness_N_per_m;
+      return plan.device.haptics.coupling.stiffness_N_per_m;
     case kComfortableDepth:
       return plan.person.comfortable_depth_m;
     case kSweptFollowing:
       return static_cast<double>(plan.followings.front());
     case kAlign:
-      return static_cast<double>(plan.device.align);
+      return static_cast<double>(plan.device.haptics.a4.align);
     case kStartOrientation:
       return plan.start_orientation_deg.front();
     case kScale:
@@ -94,7 +94,7 @@ std::optional<double> sweep_value(const ExperimentPlan& plan, std::size_t parame
 void set_sweep_value(ExperimentPlan& plan, std::size_t parameter, double value) {
   switch (parameter) {
     case kDeviceStiffness:
-      plan.device.stiffness_N_per_m = value;
+      plan.device.haptics.coupling.stiffness_N_per_m = value;
       return;
     case kComfortableDepth:
       plan.person.comfortable_depth_m = value;
@@ -103,7 +103,7 @@ void set_sweep_value(ExperimentPlan& plan, std::size_t parameter, double value) 
       plan.followings = {static_cast<Following>(static_cast<std::uint8_t>(value))};
       return;
     case kAlign:
-      plan.device.align = static_cast<Alignment>(static_cast<std::uint8_t>(value));
+      plan.device.haptics.a4.align = static_cast<Alignment>(static_cast<std::uint8_t>(value));
       return;
     case kStartOrientation:
       plan.start_orientation_deg = {value};

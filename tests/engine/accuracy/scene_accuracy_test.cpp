@@ -28,7 +28,7 @@ MeasurementEffort scene_effort() {
 
 RunSetup setup() {
   RunSettings options;
-  options.stiffness_N_per_m = 500.0;
+  options.haptics.coupling.stiffness_N_per_m = 500.0;
   return *make_setup(options);
 }
 

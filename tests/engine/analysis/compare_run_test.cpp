@@ -282,7 +282,7 @@ TEST(Comparison, SaysThatTheHandsAreSimulated) {
 // written: an anisotropic proxy is a point.
 TEST(Comparison, RefusesAStrategyThatTheDeviceDoesNotAccept) {
   CompareSettings settings = settings_of("mask,anisotropic:2");
-  settings.device.radius_m = 0.002;
+  settings.device.haptics.god_object.radius_m = 0.002;
   const TemporaryFolder folder;
   const auto outcome =
       run_comparison(settings, {folder.path("out"), {}, 1, false}, stand_in_trials());

@@ -72,8 +72,8 @@ TEST_P(GovernedPaperRuns, NoRuleOfTheGovernorActs) {
       RunSettings settings;
       settings.sensors = run.sensors;
       settings.default_actuators = run.actuators;
-      settings.a4 = a4;
-      settings.place.rotation =
+      settings.haptics.a4.enabled = a4;
+      settings.haptics.initial_pose.rotation =
           Quat(Eigen::AngleAxisd(run.start_deg * std::numbers::pi / 180, Vec3::UnitZ()));
       const auto setup = make_setup(settings);
       ASSERT_TRUE(setup) << setup.error().to_string();

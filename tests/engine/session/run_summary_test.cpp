@@ -234,7 +234,8 @@ TEST(RunJudgement, NamesTheSphereIfLittleIsCovered) {
   EXPECT_FALSE(mentions(reasons(run), "radius_m"));
   run.proxy_radius_m = 0.01;
   EXPECT_TRUE(
-      mentions(reasons(run), "the sphere of `RunSettings::radius_m` 0.01 m is too large to enter"));
+      mentions(reasons(run),
+               "the sphere of `HapticSettings::god_object.radius_m` 0.01 m is too large to enter"));
 }
 
 TEST(StepTimes, AreThoseOfTheSmallestTickThatTheShareDoesNotExceed) {

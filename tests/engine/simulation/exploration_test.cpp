@@ -42,7 +42,7 @@ RunSettings options_of(int sensors, int actuators, ForceMode force = ForceMode::
   RunSettings options;
   options.sensors = sensors;
   options.default_actuators = actuators;
-  options.force = force;
+  options.haptics.force = force;
   return options;
 }
 
@@ -556,10 +556,10 @@ TEST(Exploration, RejectsInvalidSettings) {
   EXPECT_EQ(refused_option(damped, {}), "device.damping_Ns_per_m");
   // explore() rejects before the first tick the settings that a loop would reject in every tick.
   Condition hard;
-  hard.options.stiffness_N_per_m = 1e300;
+  hard.options.haptics.coupling.stiffness_N_per_m = 1e300;
   EXPECT_EQ(refused_option(hard, {}), "coupling.stiffness_N_per_m");
   Condition large;
-  large.options.radius_m = 1e-3;  // the scene was loaded for a point
+  large.options.haptics.god_object.radius_m = 1e-3;  // the scene was loaded for a point
   EXPECT_EQ(refused_option(large, {}), "god_object.radius_m");
 }
 

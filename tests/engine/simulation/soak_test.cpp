@@ -27,7 +27,7 @@ RunSetup setup_of(double rate_Hz) {
   RunSettings settings;
   settings.rate_Hz = rate_Hz;
   settings.default_actuators = 2;
-  settings.a4 = true;
+  settings.haptics.a4.enabled = true;
   auto setup = make_setup(settings);
   EXPECT_TRUE(setup) << setup.error().to_string();
   return std::move(*setup);

@@ -27,7 +27,7 @@ inline RunSettings paper_device() {
   RunSettings settings;
   settings.sensors = 2;
   settings.actuators = 1;
-  settings.damping_Ns_per_m = 2.0;
+  settings.haptics.coupling.damping_Ns_per_m = 2.0;
   return settings;
 }
 

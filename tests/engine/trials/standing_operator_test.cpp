@@ -49,7 +49,7 @@ PreparedObject straight_wall(double angle_rad) {
   description.nodes.emplace_back();
   description.tree.emplace_back();
   RunSettings device = test::paper_device();
-  device.stiffness_N_per_m = kWall_N_per_m;
+  device.haptics.coupling.stiffness_N_per_m = kWall_N_per_m;
   // The wall is parallel to the x axis.
   device.actuated_axes = {{std::sin(angle_rad), std::cos(angle_rad), 0.0}};
   return test::prepared(test::compiled(std::move(description)), device);

@@ -72,7 +72,7 @@ RunSettings planar_settings() {
   RunSettings settings;
   settings.sensors = 2;
   settings.actuators = 1;
-  settings.a4 = true;
+  settings.haptics.a4.enabled = true;
   return settings;
 }
 
@@ -121,9 +121,9 @@ void expect_same_bits(const Rig& a, const Rig& b) {
 // the governor and the loop agree.
 TEST(LiveSettings, SetBeforeTheFirstTickEqualThoseOfTheStart) {
   RunSettings other = planar_settings();
-  other.a4 = false;
-  other.stiffness_N_per_m = 321.0;
-  other.damping_Ns_per_m = 1.5;
+  other.haptics.a4.enabled = false;
+  other.haptics.coupling.stiffness_N_per_m = 321.0;
+  other.haptics.coupling.damping_Ns_per_m = 1.5;
   other.actuated_axes = {Vec3(0.6, 0.8, 0.0)};
   Rig started(other);
   Rig switched(planar_settings());
@@ -236,7 +236,7 @@ TEST(LiveChanges, AreThoseThatTheSettingsCanHave) {
 // The commanded force lies in the span of the axes, and the governor drops nothing of it.
 TEST(LiveSettings, MotorsFollowTheAxesFromTickToTick) {
   RunSettings soft = planar_settings();
-  soft.stiffness_N_per_m = 100.0;  // the force stays below the device's peak
+  soft.haptics.coupling.stiffness_N_per_m = 100.0;  // the force stays below the device's peak
   Rig rig(soft);
   ASSERT_FALSE(rig.live.set(kA4, 0.0));
   rig.run(450);

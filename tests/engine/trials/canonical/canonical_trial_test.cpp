@@ -28,8 +28,8 @@ RunSetup device_setup(double radius_m = 0.0) {
   RunSettings settings;
   settings.sensors = 2;
   settings.actuators = 1;
-  settings.damping_Ns_per_m = 2.0;
-  settings.radius_m = radius_m;
+  settings.haptics.coupling.damping_Ns_per_m = 2.0;
+  settings.haptics.god_object.radius_m = radius_m;
   const auto setup = make_setup(settings);
   EXPECT_TRUE(setup.ok());
   return *setup;

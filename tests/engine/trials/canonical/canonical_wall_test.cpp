@@ -40,8 +40,8 @@ class GivenWall {
     RunSettings settings;
     settings.sensors = 2;
     settings.actuated_axes = {direction_in_plane(motor_rad_)};
-    settings.radius_m = radius_m_;
-    settings.damping_Ns_per_m = 2.0;
+    settings.haptics.god_object.radius_m = radius_m_;
+    settings.haptics.coupling.damping_Ns_per_m = 2.0;
     const auto setup = make_setup(settings);
     EXPECT_TRUE(setup.ok());
     setup_ = canonical_setup(*setup, angle_deg, rotates);

@@ -60,11 +60,11 @@ TEST(ComparePlan, IsThePlanOfTheFileThatIsWritten) {
   settings.scene.close_gaps_m = 0.0005;
   settings.device.actuated_axes = {Vec3(0.6, 0.8, 0.0)};
   settings.device.actuators.reset();
-  settings.device.accuracy = Accuracy::exact();
-  settings.device.velocity_estimator = VelocityMethod::kAdaptive;
+  settings.device.haptics.god_object.accuracy = Accuracy::exact();
+  settings.device.haptics.coupling.velocity.method = VelocityMethod::kAdaptive;
   settings.device.encoder_quantum_m = 3e-5;
   settings.device.max_force_N = 4.0;
-  settings.device.radius_m = 0.001;
+  settings.device.haptics.god_object.radius_m = 0.001;
   settings.device.device.mass_kg = 0.25;
   fs::create_directories(folder.path("deep/er"));
   for (const CompareHands hands : {CompareHands::kCompared, CompareHands::kTuning}) {
@@ -82,13 +82,13 @@ TEST(ComparePlan, IsThePlanOfTheFileThatIsWritten) {
       EXPECT_EQ(object.scene.close_gaps_m, 0.0005);
     }
     EXPECT_EQ(read->device.actuated_axes.front(), Vec3(0.6, 0.8, 0.0));
-    EXPECT_EQ(read->device.accuracy.work_budget, Accuracy::exact().work_budget);
-    EXPECT_EQ(read->device.velocity_estimator, VelocityMethod::kAdaptive);
+    EXPECT_EQ(read->device.haptics.god_object.accuracy.work_budget, Accuracy::exact().work_budget);
+    EXPECT_EQ(read->device.haptics.coupling.velocity.method, VelocityMethod::kAdaptive);
     EXPECT_EQ(read->device.encoder_quantum_m, 3e-5);
     EXPECT_EQ(read->device.max_force_N, 4.0);
-    EXPECT_EQ(read->device.radius_m, 0.001);
+    EXPECT_EQ(read->device.haptics.god_object.radius_m, 0.001);
     EXPECT_EQ(read->device.device.mass_kg, 0.25);
-    EXPECT_EQ(read->device.damping_Ns_per_m, 2.0);
+    EXPECT_EQ(read->device.haptics.coupling.damping_Ns_per_m, 2.0);
     EXPECT_EQ(read->followings, std::vector<Following>{Following::kDelayed});
   }
 }
