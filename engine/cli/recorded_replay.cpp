@@ -26,7 +26,7 @@ constexpr int kDiffers = 1;
 // motor on every axis for `full`, as in `run`; the motors of other devices are what they are.
 std::optional<Error> apply_strategy(const Strategy& strategy, RecordedSession& session) {
   DeviceDescription& device = session.device;
-  if (strategy.kind == StrategyKind::kFull && !device.moves_motors) {
+  if (strategy.type->force == ForceMode::kFull && !device.moves_motors) {
     give_all_motors(device, device.sensed_axes);
   }
   if (auto error = check_motors(strategy, device)) return error;
@@ -68,7 +68,7 @@ ReplayChange change_of(const RecordedReplayRequest& request) {
   change.ignores[live_setting("a4")] = request.a4 || request.strategy;
   change.ignores[live_setting("force")] = request.force || request.strategy;
   change.has_all_motors = request.force == ForceMode::kFull ||
-                          (request.strategy && request.strategy->kind == StrategyKind::kFull);
+                          (request.strategy && request.strategy->type->force == ForceMode::kFull);
   change.ignores[live_setting("stiffness")] = request.stiffness_N_per_m.has_value();
   change.ignores[live_setting("damping")] = request.damping_Ns_per_m.has_value();
   change.ignores_effects = !request.materials.empty();
