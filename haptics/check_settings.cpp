@@ -2,9 +2,6 @@
 
 #include <cmath>
 
-#include "haptics/effects/damping.h"
-#include "haptics/effects/effect_program.h"
-#include "haptics/effects/stiffness.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/proxy/setting_errors.h"
 
@@ -43,33 +40,9 @@ std::optional<Error> check_coupling(const ContactWorld& world, const HapticSetti
                0.5 * kLargestForce_N / lag_m * kShortestTick_s);
 }
 
-// What `anisotropic` leaves out: see strategies/anisotropic.h.
-std::optional<Error> check_anisotropic(const ContactWorld& world, const HapticSettings& settings) {
-  const std::string is_name = "is " + name_of(*settings.strategy);
-  const double E = settings.strategy->anisotropy;
-  if (!(E >= kLeastAnisotropy && E <= kMostAnisotropy)) {  // true for NaN
-    return invalid_argument("strategy", is_name + "; expected a number from 0.0625 to 16");
-  }
-  if (settings.god_object.radius_m > 0.0) {
-    return invalid_argument("strategy",
-                            is_name + ", which is for a point, but the proxy's radius is " +
-                                digits_of(settings.god_object.radius_m) + " m",
-                            "use radius 0 or another strategy");
-  }
-  if (!world.effects) return std::nullopt;
-  for (const EffectCall& call : world.effects->calls) {
-    const std::string_view effect = compiled_effects()[call.effect].name;
-    if (effect == StiffnessEffect::kName || effect == DampingEffect::kName) continue;
-    return invalid_argument("strategy",
-                            is_name + ", which renders no effect but stiffness and damping, but " +
-                                "the scene declares " + std::string(effect),
-                            "use another strategy, or a scene without this effect");
-  }
-  return std::nullopt;
-}
-
 std::optional<Error> check_strategy(const ContactWorld& world, const HapticSettings& settings) {
   if (!settings.strategy) return std::nullopt;
+  const StrategyType& type = *settings.strategy->type;
   HapticSettings expected = settings;
   set_strategy(*settings.strategy, expected);
   if (!expected.strategy || expected.force != settings.force ||
@@ -85,8 +58,13 @@ std::optional<Error> check_strategy(const ContactWorld& world, const HapticSetti
                                 settings.anticipation.least_approach_m_per_s, true)) {
     return error;
   }
-  if (settings.strategy->kind != StrategyKind::kAnisotropic) return std::nullopt;
-  return check_anisotropic(world, settings);
+  if (type.parameter && !type.parameter->allows(settings.strategy->parameter)) {
+    return invalid_argument("strategy", "is " + name_of(*settings.strategy) +
+                                            "; expected a number from " +
+                                            digits_of(type.parameter->least) + " to " +
+                                            digits_of(type.parameter->most));
+  }
+  return type.check ? type.check(world, settings) : std::nullopt;
 }
 
 }  // namespace

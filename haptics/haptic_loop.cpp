@@ -2,18 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "haptics/check_settings.h"
-#include "haptics/haptic_loop_steps.h"
-#include "haptics/haptic_loop_strategies.h"
+#include "haptics/effects/rendered_force.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kNoMotion = ~std::uint32_t{0};
+// Provides the god-object with the friction coefficients that a world's effects set for its faces.
+class ConesOfEffects final : public FrictionCones {
+ public:
+  ConesOfEffects(EffectRunner& effects, const LiveWorld& world)
+      : effects_(effects), world_(world) {}
+  FrictionCone at(const FaceContact& contact, const Vec3& proxy) noexcept override {
+    return effects_.friction_cone(world_, contact, proxy);
+  }
+
+ private:
+  EffectRunner& effects_;
+  const LiveWorld& world_;
+};
 
 }  // namespace
 
@@ -30,14 +40,13 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
       world_extent_m_(world_extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
   place_scene(unit_pose(settings.initial_pose));
-  step_ = &HapticLoop::step<kNeedsNothing>;
-  step_without_effects_ = &HapticLoop::run_actions<kNeedsNothing>;
-  if (world.effects && (world.effects->needs & kStepNeeds) != 0) {
+  if (world.effects && (world.effects->needs & kTickNeeds) != 0) {
     effects_ = std::make_unique<EffectRunner>(world, settings.god_object, settings.coupling,
                                               settings.measures_effects);
-    step_ = step_with_effects(world.effects->needs);
   }
-  if (settings.strategy && !has_bad_settings_) use_strategy();
+  if (settings.strategy && !has_bad_settings_) {
+    strategy_ = settings.strategy->type->make_step(actuation_, settings_);
+  }
   body_motions_.reserve(std::min(LiveWorld::kMostMoving, world.bodies.size()));
   motion_of_body_.assign(world.bodies.size(), kNoMotion);
 }
@@ -47,27 +56,46 @@ HapticLoop& HapticLoop::operator=(HapticLoop&&) noexcept = default;
 HapticLoop::~HapticLoop() = default;
 
 const TickRecord& HapticLoop::tick(const Vec3& p_device_m, double dt_s) noexcept {
+  begin_tick();
+  if (!get_user_motion(p_device_m, dt_s)) return rest();  // action 1
+  move_bodies();
+  if (is_hand_free_) return follow_freely(dt_s);
+  if (strategy_) place_scene_by_strategy(dt_s);
+  apply_user_motion();  // action 2
+  if (effects_) begin_effects(dt_s);
+  detect_collision(dt_s);  // action 3
+  find_contact_normal();   // action 4
+  render_force(dt_s);
+  if (tick_needs_ != kNeedsNothing) end_effects();
+  const AxisAngle theoretical = find_theoretical_rotation();  // action 5
+  apply_elementary_rotation(theoretical, dt_s);               // action 6
+  if (strategy_) turn_scene_by_strategy(dt_s);
+  return end_tick(dt_s);
+}
+
+inline void HapticLoop::begin_tick() {
   ++record_.tick;
   std::copy_n(record_.q_after_wxyz, 4, record_.q_before_wxyz);
   std::copy_n(record_.o_after_m, 3, record_.o_before_m);
-  record_.faults = get_user_motion(p_device_m, dt_s);  // action 1
-  record_.faults |= std::exchange(next_faults_, kFaultNone);
-  if ((record_.faults & kFaultsWithoutForce) != 0) {
-    set_zero_force();
-    record_.effects = 0;
-    record_.rotation_rad = 0.0;
-    end_contact_force();
-    touch_.complete_without_touch(record_);
-    last_was_good_ = false;
-    return record_;
-  }
-  steady_ticks_ = dt_s == last_dt_s_ ? steady_ticks_ + 1 : 0;
-  move_bodies();
-  (this->*step_)(dt_s);  // actions 2 to 6: haptic_loop_steps.h
+}
+
+// Ends a tick with a good sample.
+inline const TickRecord& HapticLoop::end_tick(double dt_s) {
   touch_.complete(god_object_, record_);
   last_was_good_ = true;
   last_dt_s_ = dt_s;
   ++good_ticks_;
+  return record_;
+}
+
+// A tick without a good sample.
+const TickRecord& HapticLoop::rest() {
+  set_zero_force();
+  record_.effects = 0;
+  record_.rotation_rad = 0.0;
+  end_contact_force();
+  touch_.complete_without_touch(record_);
+  last_was_good_ = false;
   return record_;
 }
 
@@ -86,17 +114,25 @@ void HapticLoop::warm_up() const noexcept try {
 } catch (const std::bad_alloc&) {
 }
 
-// Action 1: the user's motion Tu, here as the sensed position. Returns fault bits.
-inline std::uint32_t HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
+// Action 1: the user's motion Tu, here as the sensed position. Returns whether the sample is good.
+inline bool HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
   Vec3 sensed_m = p_device_m;
   if (actuation_.is_planar()) sensed_m.z() = settings_.plane_height_m;
   view(record_.device_m) = sensed_m;
+  record_.faults = faults_of(sensed_m, dt_s);
+  record_.faults |= std::exchange(next_faults_, kFaultNone);
+  if ((record_.faults & kFaultsWithoutForce) != 0) return false;
+  steady_ticks_ = dt_s == last_dt_s_ ? steady_ticks_ + 1 : 0;
+  return true;
+}
+
+inline std::uint32_t HapticLoop::faults_of(const Vec3& sensed_m, double dt_s) {
   if (has_bad_settings_) return kFaultBadSettings;
   if (!accepts(dt_s)) return kFaultBadTimeStep;
   if (record_.tick > 0) record_.time_s += dt_s;
   last_sample_.age_s += dt_s;
   last_good_sample_.age_s += dt_s;
-  if ((next_faults_ & kFaultInvalidSample) != 0) return kFaultNone;  // tick() adds this fault
+  if ((next_faults_ & kFaultInvalidSample) != 0) return kFaultNone;  // the caller adds this fault
   if (!sensed_m.allFinite()) return kFaultNonFiniteSample;
   const double farthest_m = farthest_sample_m(world_extent_m_, T_device_scene());
   if (!(sensed_m.squaredNorm() <= farthest_m * farthest_m)) return kFaultFarSample;
@@ -114,95 +150,6 @@ bool HapticLoop::jumps(const Vec3& p_device_m) {
   last_sample_ = {p_device_m, 0.0};
   if (!is_jump) last_good_sample_ = last_sample_;
   return is_jump;
-}
-
-void HapticLoop::move_body(std::uint32_t body, const RigidTransform& T_scene_body) noexcept {
-  const RigidTransform T_solver_body{T_scene_body.rotation.normalized(),
-                                     world_->to_solver(T_scene_body.translation_m)};
-  const double farthest_m = kFarthestBodyPerSize * world_->size_m;
-  if (body >= world_->bodies.size() || !is_pose(T_scene_body) ||
-      !(T_solver_body.translation_m.squaredNorm() <= farthest_m * farthest_m)) {
-    return refuse_body_pose();
-  }
-  std::uint32_t& motion = motion_of_body_[body];
-  if (motion == kNoMotion) {
-    if (body_motions_.size() == LiveWorld::kMostMoving) return refuse_body_pose();
-    motion = static_cast<std::uint32_t>(body_motions_.size());
-    body_motions_.push_back({body, {}});
-  }
-  body_motions_[motion].T_solver_body = T_solver_body;
-  bodies_have_arrived_ = false;
-}
-
-void HapticLoop::set_actuation(const ActuationModel& actuation) noexcept {
-  if (actuation.sensors() != actuation_.sensors()) {
-    next_faults_ |= kFaultBadActuation;
-    return;
-  }
-  actuation_ = actuation;
-  theoretical_rotation_.set_actuation(actuation);
-}
-
-void HapticLoop::set_a4(bool enabled) noexcept {
-  if (enabled == settings_.a4.enabled || settings_.strategy) return;
-  settings_.a4.enabled = enabled;
-  theoretical_rotation_.reset();
-}
-
-void HapticLoop::free_hand() noexcept {
-  if (!held_step_) held_step_ = std::exchange(step_, &HapticLoop::step_freely);
-  has_proxy_ = false;
-}
-
-// Strategies and effects begin as in a first tick.
-void HapticLoop::hold_hand() noexcept {
-  if (!held_step_) return;
-  step_ = std::exchange(held_step_, nullptr);
-  last_was_good_ = false;
-  end_contact_force();
-  if (effects_) effects_->reset_states();
-}
-
-// Action 2, and the proxy without contact. A body that would crush the proxy moves all the same,
-// because in the next tick the proxy is put at the device point again.
-void HapticLoop::step_freely(double /*dt_s*/) {
-  apply_user_motion();
-  const Vec3 goal_solver = world_->to_solver(view(record_.goal_scene_m));
-  if (has_proxy_) {
-    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
-    const bool is_stopped =
-        proxy_state_.in_contact || proxy_state_.capped || (record_.faults & kFaultBodyHeld) != 0;
-    if (is_stopped) has_proxy_ = false;
-  } else {
-    god_object_.place(goal_solver, motion_plane_normal());
-    ++free_tracks_;
-    has_proxy_ = true;
-  }
-  record_.iterations = has_proxy_ ? static_cast<std::uint32_t>(proxy_state_.iterations) : 0;
-  proxy_state_ = {};
-  proxy_state_.proxy = goal_solver;
-  view(record_.proxy_scene_m) = view(record_.goal_scene_m);
-  view(record_.normal_scene).setZero();
-  record_.contact = 0;
-  record_.alpha_rad = 0.0;
-  record_.rotation_rad = 0.0;
-  record_.effects = 0;
-  record_.faults &= ~static_cast<std::uint32_t>(kFaultBodyHeld);
-  set_zero_force();
-  end_contact_force();
-  theoretical_rotation_.reset();
-}
-
-void HapticLoop::set_coupling(double stiffness_N_per_m, double damping_Ns_per_m) noexcept {
-  settings_.coupling.stiffness_N_per_m = stiffness_N_per_m;
-  settings_.coupling.damping_Ns_per_m = damping_Ns_per_m;
-  coupling_.set(stiffness_N_per_m, damping_Ns_per_m);
-  if (effects_) effects_->set_coupling(stiffness_N_per_m, damping_Ns_per_m);
-}
-
-RigidTransform HapticLoop::T_scene_body(std::uint32_t body) const noexcept {
-  const RigidTransform& T_solver_body = god_object_.world().body(body).T_solver_body;
-  return {T_solver_body.rotation, world_->to_scene(T_solver_body.translation_m)};
 }
 
 // Runs before the hand's own motion: moving bodies push the proxy, within the plane of a planar
@@ -228,18 +175,30 @@ std::optional<Vec3> HapticLoop::motion_plane_normal() const {
 // Action 2: computes the device point in the scene. In the camera metaphor, the scene moves by -Tu
 // and the proxy stays at the display's centre. That is left to display_transform(), because the
 // contact is the same.
-void HapticLoop::apply_user_motion() {
+inline void HapticLoop::apply_user_motion() {
   const Vec3 from_origin_m = view(record_.device_m) - view(record_.o_after_m);
   view(record_.goal_scene_m).noalias() = R_device_scene_.transpose() * from_origin_m;
 }
 
-// The velocity of the device point in the scene, by backward difference: a medium then dissipates
-// exactly b |dx|^2 / T in each tick.
-void HapticLoop::find_velocity(const Vec3& last_goal_m, double dt_s) {
-  velocity_m_per_s_.setZero();
-  if (last_was_good_) {
-    velocity_m_per_s_ = (view(record_.goal_scene_m) - last_goal_m) / dt_s;
+// The effects that can act in this tick, and their motion. The velocity of the device point in the
+// scene is a backward difference: a medium then dissipates exactly b |dx|^2 / T in each tick.
+void HapticLoop::begin_effects(double dt_s) {
+  const Vec3 last_goal_m = std::exchange(last_goal_m_, vec3(record_.goal_scene_m));
+  record_.effects = 0;
+  tick_needs_ = kNeedsNothing;
+  if (effects_->is_far_from_all(god_object_.world(), god_object_.proxy(), goal_solver_m())) return;
+  tick_needs_ = world_->effects->needs & kTickNeeds;
+  if (needs(kNeedsVelocity)) {
+    velocity_m_per_s_.setZero();
+    if (last_was_good_) velocity_m_per_s_ = (last_goal_m_ - last_goal_m) / dt_s;
   }
+  motion_ = motion(dt_s);
+  effects_->begin_tick();
+}
+
+void HapticLoop::end_effects() {
+  record_.effects = effects_->end_tick();
+  effects_->update_far_reach(god_object_.world(), god_object_.proxy(), touch_m());
 }
 
 EffectMotion HapticLoop::motion(double dt_s) const {
@@ -253,6 +212,118 @@ EffectMotion HapticLoop::motion(double dt_s) const {
   motion.goal_m = world_->to_solver(view(record_.goal_scene_m));
   motion.velocity_m_per_s = velocity_m_per_s_;
   return motion;
+}
+
+// Action 3: the god-object follows the device point and stops at surfaces. At the first good
+// sample, the god-object is placed at the device point.
+inline void HapticLoop::detect_collision(double dt_s) {
+  if (has_proxy_) {
+    move_proxy(dt_s);
+  } else {
+    god_object_.place(goal_solver_m(), motion_plane_normal());
+    proxy_state_ = {};
+    proxy_state_.proxy = god_object_.proxy();
+    has_proxy_ = true;
+  }
+  record_.contact = proxy_state_.in_contact;
+  auto proxy_scene_m = view(record_.proxy_scene_m);
+  proxy_scene_m = view(record_.goal_scene_m);
+  if (proxy_state_.in_contact) proxy_scene_m = world_->to_scene(proxy_state_.proxy);
+  record_.iterations = static_cast<std::uint32_t>(proxy_state_.iterations);
+  record_.friction = proxy_state_.friction;
+  if (proxy_state_.capped) record_.faults |= kFaultSolverCapped;
+}
+
+inline void HapticLoop::move_proxy(double dt_s) {
+  const Vec3 goal_solver = goal_solver_m();
+  if (strategy_) {
+    const auto moved =
+        strategy_->move_proxy(god_object_, goal_solver, motion_plane_normal(), strategy_tick(dt_s));
+    if (moved) {
+      proxy_state_ = *moved;
+      return;
+    }
+  }
+  if (!needs(kNeedsStickSlip)) {
+    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
+    return;
+  }
+  ConesOfEffects cones(*effects_, god_object_.world());
+  const FrictionSource source{cones, view(record_.device_m).lpNorm<1>() +
+                                         view(record_.o_after_m).lpNorm<1>() +
+                                         world_->anchor_scene_m.lpNorm<1>()};
+  proxy_state_ = god_object_.move_with_friction(goal_solver, motion_plane_normal(), source);
+}
+
+// Action 4: the contact normal, which is the normalised average of the rendered normals in contact,
+// and its angle to the actuated axes.
+inline void HapticLoop::find_contact_normal() {
+  view(record_.normal_scene).setZero();
+  record_.alpha_rad = 0.0;
+  normal_device_.setZero();
+  if (needs(kNeedsContact)) {
+    response_ = effects_->evaluate_contact(god_object_.contact(), proxy_state_, motion_);
+  }
+  if (!record_.contact) return;
+  const Vec3& normal_scene = needs(kNeedsContact) ? response_.normal : proxy_state_.normal;
+  view(record_.normal_scene) = normal_scene;
+  if (normal_scene.isZero(0.0)) return;  // opposite planes cancel: no direction to align
+  normal_device_ = R_device_scene_ * normal_scene;
+  record_.alpha_rad = actuation_.angle_to_actuated_rad(normal_device_);
+}
+
+inline void HapticLoop::render_force(double dt_s) {
+  Vec3 force_N = Vec3::Zero();  // solver axes
+  if (record_.contact) {
+    force_N = contact_force_N(dt_s);
+  } else {
+    coupling_.reset();
+    if (!needs(kNeedsSurroundings)) return set_zero_force();
+  }
+  if (needs(kNeedsSurroundings)) {
+    force_N += effects_->surroundings_force_N(god_object_.world(), proxy_state_,
+                                              view(record_.normal_scene), motion_);
+    if (effects_->is_capped()) record_.faults |= kFaultEffectsCapped;
+  }
+  command(force_N, dt_s);
+}
+
+inline Vec3 HapticLoop::contact_force_N(double dt_s) {
+  const Vec3 lag = proxy_state_.proxy - goal_solver_m();
+  const Vec3 rate = coupling_.lag_rate_m_per_s(lag, dt_s);
+  if (needs(kNeedsContact) && !response_.without_effects) {
+    // The damper acts on the whole lag of a proxy at rest. A sliding proxy yields along the
+    // surface.
+    const bool rests = proxy_state_.is_held && !proxy_state_.slid;
+    const Vec3 damped = rests ? rate : proxy_state_.pressed_part(rate);
+    return rendered_force_N(response_, proxy_state_, lag, damped) +
+           effects_->contact_force_N(proxy_state_, response_, motion_);
+  }
+  return coupling_.force_N(lag, proxy_state_.pressed_part(rate), view(record_.normal_scene));
+}
+
+inline void HapticLoop::command(const Vec3& force_N, double dt_s) {
+  if (!std::isfinite(force_N.sum())) return refuse_force();
+  if (strategy_) {
+    if (const auto force = strategy_->force(force_N, strategy_tick(dt_s))) {
+      view(record_.full_force_device_N) = force->full_N;
+      view(record_.force_device_N) = force->commanded_N;
+      return;
+    }
+  }
+  const Vec3 full_N = R_device_scene_ * force_N;
+  view(record_.full_force_device_N) = full_N;
+  switch (settings_.force) {
+    case ForceMode::kNone:
+      view(record_.force_device_N).setZero();
+      break;
+    case ForceMode::kActuated:
+      view(record_.force_device_N) = actuation_.actuated_part(full_N);
+      break;
+    case ForceMode::kFull:
+      view(record_.force_device_N) = full_N;
+      break;
+  }
 }
 
 void HapticLoop::set_zero_force() {
@@ -276,30 +347,13 @@ void HapticLoop::end_contact_force() {
   coupling_.reset();
 }
 
-void HapticLoop::command(const Vec3& force_N) {
-  if (!std::isfinite(force_N.sum())) return refuse_force();
-  const Vec3 full_N = R_device_scene_ * force_N;
-  view(record_.full_force_device_N) = full_N;
-  switch (settings_.force) {
-    case ForceMode::kNone:
-      view(record_.force_device_N).setZero();
-      break;
-    case ForceMode::kActuated:
-      view(record_.force_device_N) = actuation_.actuated_part(full_N);
-      break;
-    case ForceMode::kFull:
-      view(record_.force_device_N) = full_N;
-      break;
-  }
-}
-
 void HapticLoop::place_scene(const ScenePose& T_device_scene) {
   put(T_device_scene, record_.q_after_wxyz, record_.o_after_m);
   R_device_scene_ = T_device_scene.rotation.toRotationMatrix();
 }
 
 // Action 5: Table 1. No rotation off contact.
-AxisAngle HapticLoop::find_theoretical_rotation() {
+inline AxisAngle HapticLoop::find_theoretical_rotation() {
   if (!record_.contact) theoretical_rotation_.reset();
   if (!record_.contact || !settings_.a4.enabled) return {};
   return theoretical_rotation_.update(normal_device_);
@@ -307,7 +361,7 @@ AxisAngle HapticLoop::find_theoretical_rotation() {
 
 // Action 6: Figure 3. The pivot is the proxy, so the proxy stays feasible and the spring gains no
 // energy.
-void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double dt_s) {
+inline void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double dt_s) {
   record_.rotation_rad = 0.0;
   if (theoretical.angle_rad == 0.0) return;
   const double angle_rad =
@@ -316,6 +370,35 @@ void HapticLoop::apply_elementary_rotation(const AxisAngle& theoretical, double 
                                         {theoretical.axis_device, angle_rad});
   record_.rotation_rad = angle_rad;
   place_scene(turned);
+}
+
+// The record still holds the forces and the contact of the last tick.
+void HapticLoop::place_scene_by_strategy(double dt_s) {
+  const auto origin_m = strategy_->scene_origin_m(strategy_tick(dt_s));
+  if (!origin_m) return;
+  place_scene({T_device_scene().rotation, *origin_m});
+  view(record_.o_before_m) = *origin_m;  // the pose during this tick
+}
+
+void HapticLoop::turn_scene_by_strategy(double dt_s) {
+  const AxisAngle turn = strategy_->turn_about_device_point(strategy_tick(dt_s));
+  if (turn.angle_rad == 0.0) return;
+  record_.rotation_rad = turn.angle_rad;
+  place_scene(
+      turned_about(T_device_scene(), view(record_.goal_scene_m), view(record_.device_m), turn));
+}
+
+StrategyTick HapticLoop::strategy_tick(double dt_s) const {
+  return {.record = record_,
+          .actuation = actuation_,
+          .settings = settings_,
+          .world = god_object_.world(),
+          .R_device_scene = R_device_scene_,
+          .proxy = proxy_state_,
+          .goal_solver_m = goal_solver_m(),
+          .radius_m = god_object_.radius_m(),
+          .dt_s = dt_s,
+          .follows_good_tick = last_was_good_};
 }
 
 }  // namespace palpate

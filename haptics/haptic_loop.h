@@ -19,6 +19,7 @@
 #include "haptics/proxy/god_object.h"
 #include "haptics/record_vectors.h"
 #include "haptics/strategies/haptic_settings.h"
+#include "haptics/strategies/strategy_step.h"
 #include "haptics/touch.h"
 #include "palpate/record.h"
 
@@ -132,7 +133,7 @@ class HapticLoop {
   // The next tick touches surfaces again. The proxy is where the hand was in the last tick. Call on
   // the haptic thread.
   void hold_hand() noexcept;
-  bool is_hand_free() const noexcept { return held_step_ != nullptr; }
+  bool is_hand_free() const noexcept { return is_hand_free_; }
   // The number of the free way that the proxy is on, from 1 on; 0: it is put somewhere in the next
   // tick. Call on the haptic thread while the hand is free.
   std::uint64_t free_track() const noexcept { return has_proxy_ ? free_tracks_ : 0; }
@@ -169,50 +170,45 @@ class HapticLoop {
   ScenePose T_device_scene() const { return pose_after(record_); }
 
  private:
-  // Actions 2 to 6 of a tick, defined in haptic_loop_steps.h. kNeeds: the needs of the world's
-  // effects, as far as they select a step (kStepNeeds), and kInAnisotropicNorm.
-  using Step = void (HapticLoop::*)(double dt_s);
-  static Step step_with_effects(std::uint32_t needs);
-  // Replaces the step by that of the strategy: haptic_loop_strategies.cpp.
-  void use_strategy();
-  void step_freely(double dt_s);
-  void step_anticipating(double dt_s);
-  void step_following(double dt_s);
-  void anticipate(double dt_s);
-  void follow_hand();
-  template <std::uint32_t kNeeds>
-  void step(double dt_s);
-  template <std::uint32_t kNeeds>
-  void run_actions(double dt_s);
-  // The next two functions are inlined, because each has one caller and the cost of a call is
-  // measurable in short ticks.
-  template <std::uint32_t kNeeds>
-  [[gnu::always_inline]] void detect_collision();
-  void move_proxy_in_norm(const Vec3& goal_solver);
-  [[gnu::always_inline]] std::uint32_t get_user_motion(const Vec3& p_device_m, double dt_s);
-  template <std::uint32_t kNeeds>
-  void find_contact_normal();
-  template <std::uint32_t kNeeds>
-  void render_force(double dt_s);
-  template <std::uint32_t kNeeds>
-  Vec3 contact_force_N(double dt_s);
+  static constexpr std::uint32_t kNoMotion = ~std::uint32_t{0};
+
+  // The parts of tick(), in its order. Those that are inlined have one caller each, and the cost of
+  // a call is measurable in short ticks.
+  [[gnu::always_inline]] void begin_tick();
+  [[gnu::always_inline]] bool get_user_motion(const Vec3& p_device_m, double dt_s);
+  [[gnu::always_inline]] std::uint32_t faults_of(const Vec3& sensed_m, double dt_s);
+  bool jumps(const Vec3& p_device_m);
+  const TickRecord& rest();
+  void move_bodies();
+  const TickRecord& follow_freely(double dt_s);
+  [[gnu::always_inline]] void apply_user_motion();
+  void begin_effects(double dt_s);
+  [[gnu::always_inline]] void detect_collision(double dt_s);
+  [[gnu::always_inline]] void move_proxy(double dt_s);
+  [[gnu::always_inline]] void find_contact_normal();
+  [[gnu::always_inline]] void render_force(double dt_s);
+  [[gnu::always_inline]] Vec3 contact_force_N(double dt_s);
+  [[gnu::always_inline]] void command(const Vec3& force_N, double dt_s);
+  void end_effects();
+  [[gnu::always_inline]] AxisAngle find_theoretical_rotation();
+  [[gnu::always_inline]] void apply_elementary_rotation(const AxisAngle& theoretical, double dt_s);
+  [[gnu::always_inline]] const TickRecord& end_tick(double dt_s);
+
+  // Where the strategy enters, in a loop that has one.
+  StrategyTick strategy_tick(double dt_s) const;
+  void place_scene_by_strategy(double dt_s);
+  void turn_scene_by_strategy(double dt_s);
+
   // The largest distance of a touched face from the proxy's centre.
   double touch_m() const { return god_object_.radius_m() + 4 * god_object_.scale().stand_off_m; }
+  bool needs(EffectNeed need) const { return (tick_needs_ & need) != 0; }
   EffectMotion motion(double dt_s) const;
-  void find_velocity(const Vec3& last_goal_m, double dt_s);
-
-  bool jumps(const Vec3& p_device_m);
-  void apply_user_motion();
-  void move_bodies();
   std::optional<Vec3> motion_plane_normal() const;
-  void command(const Vec3& force_N);
-  void command_in_norm(const Vec3& force_N);
+  Vec3 goal_solver_m() const { return world_->to_solver(view(record_.goal_scene_m)); }
   void refuse_force();
   void set_zero_force();
   void place_scene(const ScenePose& T_device_scene);
   void end_contact_force();
-  AxisAngle find_theoretical_rotation();
-  void apply_elementary_rotation(const AxisAngle& theoretical, double dt_s);
 
   const ContactWorld* world_;
   ActuationModel actuation_;
@@ -237,20 +233,20 @@ class HapticLoop {
   bool has_bad_settings_;
   double world_extent_m_;  // argument of farthest_sample_m()
 
-  Step step_;
-  Step step_without_effects_;  // actions 3 to 6 where no effect is near
-  Step held_step_ = nullptr;   // the step of a hand that is not free, while it is free
+  bool is_hand_free_ = false;
   std::uint64_t free_tracks_ = 0;
   std::unique_ptr<EffectRunner> effects_;  // null in a world without effects
-  struct StrategyState;
-  std::unique_ptr<StrategyState> strategy_;  // null without HapticSettings::strategy
-  ContactResponse response_;                 // of this tick
-  EffectMotion motion_;                      // of this tick
-  bool last_was_good_ = false;               // the last tick's goal was the hand's position
-  double last_dt_s_ = 0.0;                   // of the last good tick
-  std::uint64_t steady_ticks_ = 0;           // good ticks before this one, in a row, of the same dt
+  // The needs of the effects that can act in this tick: what no effect needs is not computed.
+  std::uint32_t tick_needs_ = kNeedsNothing;
+  std::unique_ptr<StrategyStep> strategy_;  // null without HapticSettings::strategy
+  ContactResponse response_;                // of this tick
+  EffectMotion motion_;                     // of this tick
+  bool last_was_good_ = false;              // the last tick's goal was the hand's position
+  double last_dt_s_ = 0.0;                  // of the last good tick
+  std::uint64_t steady_ticks_ = 0;          // good ticks before this one, in a row, of the same dt
   bool has_measured_times_ = false;
   std::uint64_t good_ticks_ = 0;
+  Vec3 last_goal_m_ = Vec3::Zero();       // scene frame, of a world with effects
   Vec3 velocity_m_per_s_ = Vec3::Zero();  // of the goal, scene frame
 
   std::vector<BodyMotion> body_motions_;       // requested poses; reserved once

@@ -26,7 +26,7 @@ StrategyRole role_of(const std::string& name) {
 // How far E is from 1, in powers of 2.
 double distance_from_one(const std::string& level) {
   const auto strategy = parse_strategy(level);
-  return strategy ? std::abs(std::log2(strategy->anisotropy)) : 0.0;
+  return strategy ? std::abs(std::log2(strategy->parameter)) : 0.0;
 }
 
 class Comparer {
@@ -41,7 +41,7 @@ class Comparer {
       contenders_.push_back({name, role_of(name), i});
     }
     if (compared.levels.empty()) return;
-    contenders_.push_back({kTunedStrategy, StrategyRole::kTechnique, {}});
+    contenders_.push_back({std::string(kTunedStrategy), StrategyRole::kTechnique, {}});
     for (std::size_t i = 0; i < compared.levels.size(); ++i) {
       contenders_.push_back(
           {compared.levels[i], StrategyRole::kLevel, compared.strategies.size() + i});

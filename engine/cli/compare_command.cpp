@@ -35,13 +35,12 @@ namespace palpate {
 namespace {
 
 constexpr int kIncompleteTrials = 3;
-constexpr std::string_view kEveryStrategy = "none,mask,full,a4,a4-anticipate,anisotropic,cd";
 
 struct CompareRequest {
   CompareSettings settings;
   SceneOptions scene;  // its path is not used
   RunOptions options;
-  std::string strategies{kEveryStrategy};
+  std::string strategies = every_strategy();
   std::string out_dir = "compare";
   std::string shard;
   std::optional<int> jobs;
@@ -251,8 +250,7 @@ void CompareCommand::add_scenes(CLI::App& app) {
 void CompareCommand::add_hands(CLI::App& app) {
   CompareSettings& settings = request_.settings;
   app.add_option("--strategies", request_.strategies,
-                 "list of none, mask, full, a4, a4-anticipate, anisotropic, anisotropic:E and cd, "
-                 "separated by commas")
+                 "list of " + strategies_help() + ", separated by commas")
       ->capture_default_str()
       ->group(kHandGroup);
   add_integer(app, "--hands", settings.hands, {2, kMostParticipants}, "simulated hands, 2 or more")

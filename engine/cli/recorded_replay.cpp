@@ -27,7 +27,7 @@ constexpr int kDiffers = 1;
 // motor on every axis for `full`, as in `run`; the motors of other devices are what they are.
 std::optional<Error> apply_strategy(const Strategy& strategy, RecordedSession& session) {
   DeviceDescription& device = session.device;
-  if (strategy.kind == StrategyKind::kFull && !device.moves_motors) {
+  if (strategy.type->force == ForceMode::kFull && !device.moves_motors) {
     give_all_motors(device, device.sensed_axes);
   }
   if (auto error = check_motors(strategy, device)) return error;
@@ -86,7 +86,7 @@ ReplayChange change_of(const RecordedReplayRequest& request) {
   if (request.a4) change.ignores[live_setting("a4")] = true;
   change.has_all_motors =
       (request.changes("--force") && request.settings.haptics.force == ForceMode::kFull) ||
-      (request.strategy && request.strategy->kind == StrategyKind::kFull);
+      (request.strategy && request.strategy->type->force == ForceMode::kFull);
   change.ignores_effects = !request.materials.empty();
   return change;
 }

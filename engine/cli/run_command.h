@@ -18,7 +18,7 @@ enum class A4Runs : std::uint8_t { kOn, kOff, kCompare };
 
 // A device with motors in place of the simulated hand (--device).
 struct DeviceRequest {
-  std::string text;  // as parse_device() reads it; empty: the hand is simulated
+  std::string text;  // as make_device() reads it; empty: the hand is simulated
   bool no_guard = false;
   bool without_realtime = false;
   std::optional<std::uint64_t> cpu;

@@ -22,8 +22,7 @@
 #include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
-#include "engine/devices/device_options.h"
-#include "engine/devices/hapi_device.h"
+#include "engine/drivers/drivers.h"
 #include "engine/scene/memory_budget.h"
 #include "engine/session/trace_csv.h"
 
@@ -245,23 +244,23 @@ int run_on_device(RunRequest request, const IsGiven& is_given) {
   if (const auto error = check_recording_place(request.record, request.out_dir, run_file_names())) {
     return refuse(*error);
   }
-  Result<HapiSettings> hapi = parse_device("--device", request.device.text);
-  if (!hapi) return refuse(hapi.error());
-  hapi->works_without_guard = request.device.no_guard;
-  HapiDevice device(*hapi);
+  const auto device = make_device("--device", request.device.text, request.device.no_guard);
+  if (!device) return refuse(device.error());
+  const DeviceDescription& description = (*device)->description();
   if (request.a4 == A4Runs::kCompare) request.a4 = A4Runs::kOff;
-  if (is_given("--sensors") && request.options.settings.sensors != 2) {
-    return refuse(
-        invalid_argument("--sensors", "is " + std::to_string(request.options.settings.sensors) +
-                                          "; expected 2, the number of sensors of the device"));
+  const int sensors = request.options.settings.sensors;
+  if (is_given("--sensors") && sensors != description.sensed_axes) {
+    return refuse(invalid_argument("--sensors", "is " + std::to_string(sensors) + "; expected " +
+                                                    std::to_string(description.sensed_axes) +
+                                                    ", the number of sensors of the device"));
   }
-  describe_device(device.description(), is_given, request);
+  describe_device(description, is_given, request);
   const Result<PreparedRun> prepared = prepare_run(request);
   if (!prepared) return refuse(with_path(prepared.error(), request.scene.path));
   if (const auto error = check_motors(request.options.settings.strategy, prepared->setup.device)) {
     return refuse(*error);
   }
-  return run_prepared(request, *prepared, device, settings_of(request, *prepared, is_given));
+  return run_prepared(request, *prepared, **device, settings_of(request, *prepared, is_given));
 }
 
 }  // namespace palpate

@@ -17,8 +17,7 @@ void add_strategy(CLI::App& app, std::optional<Strategy>& strategy) {
   };
   app.add_option_function<std::string>(
          "--strategy", read,
-         "technique for missing motors, in place of --force and --a4: none, mask, full, a4, "
-         "a4-anticipate, anisotropic:E with E from 0.0625 to 16, or cd")
+         "technique for missing motors, in place of --force and --a4: " + strategy_names_for_help())
       ->type_name("NAME")
       ->group(kA4Group);
 }
@@ -43,16 +42,16 @@ bool has_a4(const Strategy& strategy) {
 
 std::optional<Error> check_motors(const std::optional<Strategy>& strategy,
                                   const DeviceDescription& device) {
-  if (!strategy || strategy->kind != StrategyKind::kFull ||
+  if (!strategy || strategy->type->force != ForceMode::kFull ||
       device.motor_count >= device.sensed_axes) {
     return std::nullopt;
   }
-  return invalid_argument("--strategy",
-                          "is full; expected another one for a device with " +
-                              std::to_string(device.sensed_axes) + " sensors and " +
-                              std::to_string(device.motor_count) +
-                              (device.motor_count == 1 ? " motor" : " motors"),
-                          "full is a reference; mask and a4 use the motors that there are");
+  return invalid_argument(
+      "--strategy",
+      "is " + name_of(*strategy) + "; expected another one for a device with " +
+          std::to_string(device.sensed_axes) + " sensors and " +
+          std::to_string(device.motor_count) + (device.motor_count == 1 ? " motor" : " motors"),
+      name_of(*strategy) + " is a reference; mask and a4 use the motors that there are");
 }
 
 }  // namespace palpate

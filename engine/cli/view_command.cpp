@@ -29,8 +29,7 @@
 #include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
-#include "engine/devices/device_options.h"
-#include "engine/devices/hapi_device.h"
+#include "engine/drivers/drivers.h"
 #include "engine/viewer/http_rules.h"
 #include "engine/viewer/page_files.h"
 #include "engine/viewer/view_server.h"
@@ -212,16 +211,17 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
 }
 
 int view_with_device(const ViewRequest& request, const IsGiven& is_given) {
-  Result<HapiSettings> hapi = parse_device("--device", request.run.device.text);
-  if (!hapi) return refuse(hapi.error());
-  hapi->works_without_guard = request.run.device.no_guard;
-  HapiDevice device(*hapi);
-  const int sensors = request.run.options.settings.sensors;
-  if (is_given("--sensors") && sensors != device.description().sensed_axes) {
-    return refuse(invalid_argument(
-        "--sensors", "is " + std::to_string(sensors) + "; expected 2, the sensors of the device"));
+  const RunRequest& run = request.run;
+  const auto device = make_device("--device", run.device.text, run.device.no_guard);
+  if (!device) return refuse(device.error());
+  const int sensors = run.options.settings.sensors;
+  const int sensed_axes = (*device)->description().sensed_axes;
+  if (is_given("--sensors") && sensors != sensed_axes) {
+    return refuse(invalid_argument("--sensors", "is " + std::to_string(sensors) + "; expected " +
+                                                    std::to_string(sensed_axes) +
+                                                    ", the sensors of the device"));
   }
-  return view(request, &device, is_given);
+  return view(request, device->get(), is_given);
 }
 
 class ViewCommand final : public Command {

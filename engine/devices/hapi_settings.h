@@ -37,7 +37,7 @@ struct HapiLimits {
 };
 
 // An Error if a setting is out of range or if the linkage has no workspace. Its element is the
-// setting, by the name of device_options.h.
+// setting, by the name of its key (engine/drivers/hapi_driver.h).
 std::optional<Error> check_hapi_settings(const HapiSettings& settings);
 
 }  // namespace palpate

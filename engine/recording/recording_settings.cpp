@@ -312,7 +312,7 @@ void read_strategy(MetaReader& reader, HapticSettings& settings) {
   visit_anticipation(settings.anticipation, reader);
   const auto strategy = parse_strategy(name);
   if (!strategy) return reader.fail(kStrategyKey, strategy.error().problem);
-  if (has_own_step(strategy->kind)) settings.strategy = *strategy;
+  if (strategy->type->make_step) settings.strategy = *strategy;
 }
 
 std::string effects_text() {

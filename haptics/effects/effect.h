@@ -50,8 +50,8 @@ enum class EffectStage : std::uint8_t {
 };
 inline constexpr std::size_t kEffectStageCount = 5;
 
-// The inputs that an effect needs. The union of these needs over all effects of a scene selects the
-// step that runs in every tick, so that inputs that no effect uses are not computed.
+// The inputs that an effect needs. A tick computes the inputs of the union of these needs over all
+// effects of the scene, and no others.
 enum EffectNeed : std::uint32_t {
   kNeedsNothing = 0,
   kNeedsContact = 1u << 0,       // runs the tables of the materials in contact
@@ -64,8 +64,8 @@ enum EffectNeed : std::uint32_t {
   kNeedsFrictionMap = 1u << 6,    // FacePoint::friction_uv, Parameters::map, if the file has a map
   kNeedsPlace = 1u << 7,          // surroundings: active only near an object, and sets quiet_m
 };
-// The needs that select a step.
-inline constexpr std::uint32_t kStepNeeds =
+// The needs that matter in a tick.
+inline constexpr std::uint32_t kTickNeeds =
     kNeedsContact | kNeedsStickSlip | kNeedsSurroundings | kNeedsVelocity;
 
 // A face that the proxy touches: its body and its material.

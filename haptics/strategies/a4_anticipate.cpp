@@ -1,5 +1,9 @@
 #include "haptics/strategies/a4_anticipate.h"
 
+#include "haptics/record_vectors.h"
+#include "haptics/speed_window.h"
+#include "haptics/strategies/strategy_step.h"
+
 namespace palpate {
 namespace {
 
@@ -7,7 +11,39 @@ namespace {
 // have lost half of its digits.
 constexpr double kLeastInPlane = 1e-8;
 
+// In free motion, the rotation before a touch.
+class A4AnticipateStep final : public StrategyStep {
+ public:
+  A4AnticipateStep(const ActuationModel& actuation, const HapticSettings& settings)
+      : anticipation_(actuation, settings.a4, settings.anticipation) {
+    window_.set_window(A4Anticipation::kWindow_s);
+  }
+
+  AxisAngle turn_about_device_point(const StrategyTick& tick) noexcept override {
+    if (!tick.follows_good_tick) window_.clear();
+    window_.add(tick.record.time_s, view(tick.record.device_m));
+    if (tick.record.contact) {
+      anticipation_.end();
+      return {};
+    }
+    const Accuracy& accuracy = tick.settings.god_object.accuracy;
+    return anticipation_.update({tick.world, tick.actuation, tick.goal_solver_m,
+                                 tick.R_device_scene, window_.velocity_m_per_s(), tick.radius_m,
+                                 tick.dt_s, accuracy.work_budget - tick.proxy.work,
+                                 accuracy.counting});
+  }
+
+ private:
+  SpeedWindow window_;  // of the device's positions
+  A4Anticipation anticipation_;
+};
+
 }  // namespace
+
+std::unique_ptr<StrategyStep> make_a4_anticipate_step(const ActuationModel& actuation,
+                                                      const HapticSettings& settings) {
+  return std::make_unique<A4AnticipateStep>(actuation, settings);
+}
 
 struct A4Anticipation::Approach {
   Vec3 normal_device;       // n

@@ -12,6 +12,7 @@
 #include "haptics/a4/theoretical_rotation.h"
 #include "haptics/strategies/haptic_settings.h"
 #include "haptics/strategies/nearest_place.h"
+#include "haptics/strategies/strategy.h"
 
 namespace palpate {
 
@@ -68,5 +69,11 @@ class A4Anticipation {
   NearestPlace nearest_;
   bool turns_ = false;
 };
+
+std::unique_ptr<StrategyStep> make_a4_anticipate_step(const ActuationModel& actuation,
+                                                      const HapticSettings& settings);
+
+inline constexpr StrategyType kA4AnticipateStrategy{
+    .name = "a4-anticipate", .has_a4 = true, .make_step = make_a4_anticipate_step};
 
 }  // namespace palpate

@@ -32,6 +32,7 @@
 
 #include "haptics/a4/actuation.h"
 #include "haptics/proxy/anisotropic_norm.h"
+#include "haptics/strategies/strategy.h"
 
 namespace palpate {
 
@@ -45,5 +46,19 @@ inline AnisotropicNorm anisotropic_norm(double anisotropy, const ActuationModel&
   }
   return AnisotropicNorm(anisotropy, std::span(axes).first(count));
 }
+
+std::unique_ptr<StrategyStep> make_anisotropic_step(const ActuationModel& actuation,
+                                                    const HapticSettings& settings);
+std::optional<Error> check_anisotropic(const ContactWorld& world, const HapticSettings& settings);
+
+inline constexpr StrategyType kAnisotropicStrategy{
+    .name = "anisotropic",
+    .parameter = StrategyParameter{.symbol = "E",
+                                   .least = 1.0 / 16,
+                                   .most = 16.0,
+                                   .example = 0.25,
+                                   .meaning = "E below 1 weakens what the motors cannot push"},
+    .make_step = make_anisotropic_step,
+    .check = check_anisotropic};
 
 }  // namespace palpate

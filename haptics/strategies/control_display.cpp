@@ -2,7 +2,41 @@
 
 #include <algorithm>
 
+#include "haptics/record_vectors.h"
+#include "haptics/strategies/strategy_step.h"
+
 namespace palpate {
+namespace {
+
+// The scene follows a part of the hand's step before the hand's motion counts.
+class ControlDisplayStep final : public StrategyStep {
+ public:
+  explicit ControlDisplayStep(const Vec3& home_m) : home_m_(home_m) {}
+
+  std::optional<Vec3> scene_origin_m(const StrategyTick& tick) noexcept override {
+    const TickRecord& record = tick.record;
+    const Vec3 device_m = view(record.device_m);
+    const Vec3 step_m = device_m - last_device_m_;
+    last_device_m_ = device_m;
+    if (!tick.follows_good_tick) return std::nullopt;
+    const Vec3 lag_scene_m = view(record.proxy_scene_m) - view(record.goal_scene_m);
+    ratio_.update({step_m, record.contact != 0, tick.R_device_scene * lag_scene_m,
+                   view(record.full_force_device_N) - view(record.force_device_N)});
+    return home_m_ + ratio_.drift_m();
+  }
+
+ private:
+  ControlDisplay ratio_;
+  Vec3 home_m_;                        // the scene's origin at the start, device frame
+  Vec3 last_device_m_ = Vec3::Zero();  // of the last good sample
+};
+
+}  // namespace
+
+std::unique_ptr<StrategyStep> make_control_display_step(const ActuationModel&,
+                                                        const HapticSettings& settings) {
+  return std::make_unique<ControlDisplayStep>(settings.initial_pose.translation_m);
+}
 
 void ControlDisplay::update(const HandStep& step) noexcept {
   if (!step.was_in_contact) {

@@ -6,6 +6,7 @@
 // and its limits are ours: it follows the force that the missing motors leave out.
 
 #include "geometry/base/types.h"
+#include "haptics/strategies/strategy.h"
 
 namespace palpate {
 
@@ -41,5 +42,11 @@ class ControlDisplay {
  private:
   Vec3 drift_m_ = Vec3::Zero();
 };
+
+std::unique_ptr<StrategyStep> make_control_display_step(const ActuationModel& actuation,
+                                                        const HapticSettings& settings);
+
+inline constexpr StrategyType kControlDisplayStrategy{.name = "cd",
+                                                      .make_step = make_control_display_step};
 
 }  // namespace palpate

@@ -14,13 +14,6 @@
 
 namespace palpate {
 
-// The part of the force that the loop commands. The mode does not affect the rotation by A4.
-enum class ForceMode : std::uint8_t {
-  kNone,
-  kActuated,  // projected on the actuated axes
-  kFull       // not projected, as if every axis had an actuator
-};
-
 struct A4Settings {
   bool enabled = true;
   Table1Form table1 = Table1Form::kCorrected;

@@ -6,26 +6,27 @@
 #include <utility>
 
 #include "geometry/base/printable.h"
-#include "haptics/strategies/haptic_settings.h"
+#include "haptics/strategies/a4_anticipate.h"
+#include "haptics/strategies/anisotropic.h"
+#include "haptics/strategies/control_display.h"
 
 namespace palpate {
 namespace {
 
-struct StrategyName {
-  StrategyKind kind;
-  std::string_view name;
-};
+constexpr const StrategyType* kStrategies[] = {
+    &kNoForceStrategy,      &kMaskStrategy,        &kFullStrategy,          &kA4Strategy,
+    &kA4AnticipateStrategy, &kAnisotropicStrategy, &kControlDisplayStrategy};
 
-constexpr std::string_view kAnisotropicPrefix = "anisotropic:";
+std::string shortest(double value) {
+  std::array<char, 32> digits;  // the shortest form of a double has at most 24 characters
+  const auto [end, failed] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  return std::string(digits.data(), end);
+}
 
-constexpr StrategyName kNames[] = {
-    {StrategyKind::kNone, "none"},
-    {StrategyKind::kMask, "mask"},
-    {StrategyKind::kFull, "full"},
-    {StrategyKind::kA4, "a4"},
-    {StrategyKind::kA4Anticipate, "a4-anticipate"},
-    {StrategyKind::kControlDisplay, "cd"},
-};
+std::string range_of(const StrategyParameter& parameter) {
+  return std::string(parameter.symbol) + " from " + shortest(parameter.least) + " to " +
+         shortest(parameter.most);
+}
 
 Error error_of(std::string_view name, const std::string& expected, std::string hint = "") {
   constexpr std::size_t kMaxLength = 40;
@@ -36,50 +37,73 @@ Error error_of(std::string_view name, const std::string& expected, std::string h
                           std::move(hint));
 }
 
-Result<Strategy> parse_anisotropic(std::string_view name) {
-  std::string_view digits = name.substr(kAnisotropicPrefix.size());
+// name: of this type, up to a colon.
+Result<Strategy> parse_parameter(const StrategyType& type, std::string_view name) {
+  std::string_view digits = name.substr(type.name.size() + 1);
   // from_chars refuses a plus sign.
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double value = 0.0;
   const char* const end = digits.data() + digits.size();
   const auto [stop, failed] = std::from_chars(digits.data(), end, value);
-  const bool is_in = value >= kLeastAnisotropy && value <= kMostAnisotropy;  // false for NaN
-  if (failed == std::errc() && stop == end && is_in) {
-    return Strategy{StrategyKind::kAnisotropic, value};
+  const StrategyParameter& parameter = *type.parameter;
+  if (failed == std::errc() && stop == end && parameter.allows(value)) {
+    return Strategy{&type, value};
   }
-  return error_of(name, "anisotropic:E with a decimal number E from 0.0625 to 16",
-                  "E below 1 weakens what the motors cannot push");
+  return error_of(name, name_with_symbol(type) + " with a decimal number " + range_of(parameter),
+                  std::string(parameter.meaning));
 }
 
 }  // namespace
 
+std::span<const StrategyType* const> strategies() noexcept {
+  return kStrategies;
+}
+
 Result<Strategy> parse_strategy(std::string_view name) {
-  for (const StrategyName& known : kNames) {
-    if (known.name == name) return Strategy{known.kind};
+  const std::size_t colon = name.find(':');
+  std::string all;
+  std::string hint;
+  for (const StrategyType* type : kStrategies) {
+    if (type->parameter && colon != name.npos && type->name == name.substr(0, colon)) {
+      return parse_parameter(*type, name);
+    }
+    if (type->name == name) {
+      if (!type->parameter) return Strategy{type};
+      hint = "add " + std::string(type->parameter->symbol) + ", as in " +
+             name_of({type, type->parameter->example});
+    }
+    all += (all.empty() ? "" : ", ") + name_with_symbol(*type);
   }
-  if (name.starts_with(kAnisotropicPrefix)) return parse_anisotropic(name);
-  return error_of(name, "one of none, mask, full, a4, a4-anticipate, anisotropic:E, cd",
-                  name == "anisotropic" ? "add E, as in anisotropic:0.25" : "");
+  return error_of(name, "one of " + all, hint);
 }
 
 std::string name_of(const Strategy& strategy) {
-  for (const StrategyName& known : kNames) {
-    if (known.kind == strategy.kind) return std::string(known.name);
+  std::string name(strategy.type->name);
+  if (strategy.type->parameter) name += ":" + shortest(strategy.parameter);
+  return name;
+}
+
+std::string name_with_symbol(const StrategyType& type) {
+  std::string name(type.name);
+  if (type.parameter) name += ":" + std::string(type.parameter->symbol);
+  return name;
+}
+
+std::string strategy_names_for_help() {
+  std::string text;
+  for (const StrategyType* type : kStrategies) {
+    if (!text.empty()) text += type == *std::rbegin(kStrategies) ? ", or " : ", ";
+    text += name_with_symbol(*type);
+    if (type->parameter) text += " with " + range_of(*type->parameter);
   }
-  std::array<char, 32> digits;  // the shortest form of a double has at most 24 characters
-  const auto [end, failed] =
-      std::to_chars(digits.data(), digits.data() + digits.size(), strategy.anisotropy);
-  return std::string(kAnisotropicPrefix) + std::string(digits.data(), end);
+  return text;
 }
 
 void set_strategy(const Strategy& strategy, HapticSettings& settings) {
-  const StrategyKind kind = strategy.kind;
-  settings.force = kind == StrategyKind::kNone   ? ForceMode::kNone
-                   : kind == StrategyKind::kFull ? ForceMode::kFull
-                                                 : ForceMode::kActuated;
-  settings.a4.enabled = kind == StrategyKind::kA4 || kind == StrategyKind::kA4Anticipate;
+  settings.force = strategy.type->force;
+  settings.a4.enabled = strategy.type->has_a4;
   settings.strategy.reset();
-  if (has_own_step(kind)) settings.strategy = strategy;
+  if (strategy.type->make_step) settings.strategy = strategy;
 }
 
 }  // namespace palpate

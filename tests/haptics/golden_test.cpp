@@ -223,8 +223,8 @@ TEST_P(GoldenTrajectory, ReproducesThePinnedBits) {
   const Golden& golden = GetParam();
   const std::vector<PaperObject> objects = paper_objects();
   const PaperObject& object = object_called(objects, golden.object);
-  const Outcome without = render(object, {StrategyKind::kMask});
-  const Outcome with = render(object, {StrategyKind::kA4});
+  const Outcome without = render(object, {&kMaskStrategy});
+  const Outcome with = render(object, {&kA4Strategy});
   EXPECT_GT(without.ticks_in_contact, kTicks / 4);
   EXPECT_GT(with.ticks_in_contact, kTicks / 4);
   EXPECT_EQ(without.ticks_turning, 0);

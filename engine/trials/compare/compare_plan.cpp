@@ -116,8 +116,27 @@ std::string plan_text(const CompareSettings& settings, CompareHands hands, const
 
 std::vector<Strategy> tuned_levels() {
   std::vector<Strategy> levels;
-  for (const double e : kTunedAnisotropies) levels.push_back({StrategyKind::kAnisotropic, e});
+  for (const double e : kTunedAnisotropies) levels.push_back({&kAnisotropicStrategy, e});
   return levels;
+}
+
+std::string every_strategy() {
+  std::string list;
+  for (const StrategyType* type : strategies()) {
+    if (type->parameter && type->name != kTunedStrategy) continue;
+    list += (list.empty() ? "" : ",") + std::string(type->name);
+  }
+  return list;
+}
+
+std::string strategies_help() {
+  std::string text;
+  for (const StrategyType* type : strategies()) {
+    if (!text.empty()) text += type == strategies().back() ? " and " : ", ";
+    if (type->name == kTunedStrategy) text += std::string(type->name) + ", ";
+    text += name_with_symbol(*type);
+  }
+  return text;
 }
 
 Result<CompareSettings> with_strategies(CompareSettings settings, std::string_view list) {

@@ -12,15 +12,19 @@
 #include "engine/session/run_setup.h"
 #include "engine/trials/plan.h"
 #include "geometry/base/result.h"
-#include "haptics/strategies/strategy.h"
+#include "haptics/strategies/anisotropic.h"
 
 namespace palpate {
 
 // The name of the strategy that stands for the best of several values of E.
-inline constexpr const char* kTunedStrategy = "anisotropic";
+inline constexpr std::string_view kTunedStrategy = kAnisotropicStrategy.name;
 // The values of E that are tried.
 inline constexpr std::array<double, 6> kTunedAnisotropies = {1.0 / 16, 0.25, 0.5, 2.0, 4.0, 16.0};
 std::vector<Strategy> tuned_levels();
+// The list of all strategies, and the same for a help text. Of those with a parameter, only
+// kTunedStrategy is in the list.
+std::string every_strategy();
+std::string strategies_help();
 
 struct CompareSettings {
   std::vector<std::string> scenes;  // paths of glTF files, from the current folder

@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/devices/device_options.h"
-#include "engine/devices/hapi_device.h"
+#include "engine/drivers/drivers.h"
 #include "tests/engine/cli/run_program.h"
 
 namespace palpate {
@@ -30,7 +29,8 @@ TEST(DevicesCommand, ListsTheKeysThatTheOptionAccepts) {
   EXPECT_EQ(list.err, "");
   EXPECT_NE(list.out.find("delay from a sample to the force: unknown\n"), std::string::npos);
   // The error of an unknown key names them all.
-  const std::string error = parse_device("--device", "hapi:no-such-key=1").error().to_string();
+  const std::string error =
+      make_device("--device", "hapi:no-such-key=1", false).error().to_string();
   std::string names = error.substr(error.find("one of ") + 7);
   for (std::size_t end = 0; end != std::string::npos; names.erase(0, end + 2)) {
     end = names.find(", ");
@@ -99,7 +99,9 @@ TEST(DevicesCommand, SimulatesABoardForADriverUntilASignal) {
   Background program(folder);
   const std::string port = program.port();
   ASSERT_NE(port, "") << program.out();
-  HapiDevice device(*parse_device("--device", "hapi:port=" + port));
+  const auto made = make_device("--device", "hapi:port=" + port, false);
+  ASSERT_TRUE(made);
+  GuardableDevice& device = **made;
   const auto problem = device.start();
   EXPECT_FALSE(problem) << *problem;
   EXPECT_TRUE(device.read(1e-3).is_valid);

@@ -20,6 +20,7 @@
 #include "engine/trials/seen_picture.h"
 #include "engine/trials/trials_file.h"
 #include "haptics/record_vectors.h"
+#include "haptics/strategies/control_display.h"
 #include "models/primitives.h"
 #include "tests/engine/trials/prepared_object.h"
 #include "tests/helpers/compiled_scene.h"
@@ -454,7 +455,7 @@ TEST(Trial, InTheStillViewIsTheTurningOneIfNothingTurns) {
   PreparedObject turned = test::prepared(std::move(*small));
   turned.setup = turned_setup(turned.setup, 33.0);
   TrialConditions cd;
-  cd.strategy = Strategy{StrategyKind::kControlDisplay};
+  cd.strategy = Strategy{&kControlDisplayStrategy};
   struct Case {
     const PreparedObject* object;
     OperatorParameters person;

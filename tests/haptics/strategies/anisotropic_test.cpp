@@ -38,7 +38,7 @@ constexpr double kStiffness_N_per_m = 1000.0;
 HapticSettings anisotropic_settings(double anisotropy) {
   HapticSettings settings;
   settings.coupling = {kStiffness_N_per_m, 0.0};
-  set_strategy({StrategyKind::kAnisotropic, anisotropy}, settings);
+  set_strategy({&kAnisotropicStrategy, anisotropy}, settings);
   return settings;
 }
 

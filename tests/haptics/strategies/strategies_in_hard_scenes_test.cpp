@@ -22,6 +22,7 @@
 #include "haptics/proxy/work.h"
 #include "haptics/record_vectors.h"
 #include "haptics/safety_governor.h"
+#include "haptics/strategies/a4_anticipate.h"
 #include "haptics/strategies/anisotropic.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
@@ -121,7 +122,7 @@ class JudgedRun {
   }
 
   double pick_radius_m() {
-    const bool is_point = strategy_.kind == StrategyKind::kAnisotropic || random_.index(2) == 0;
+    const bool is_point = strategy_.type == &kAnisotropicStrategy || random_.index(2) == 0;
     return is_point ? 0.0 : random_.uniform(1e-4, 5e-3);
   }
 
@@ -185,9 +186,9 @@ class JudgedRun {
     }
     if (!push(plane_normal)) return false;
     const ProxyState state =
-        strategy_.kind == StrategyKind::kAnisotropic && strategy_.anisotropy != 1.0
+        strategy_.type == &kAnisotropicStrategy && strategy_.parameter != 1.0
             ? shadow_.move_in_norm(goal, plane_normal,
-                                   anisotropic_norm(strategy_.anisotropy, device_, R))
+                                   anisotropic_norm(strategy_.parameter, device_, R))
             : shadow_.move_to(goal, plane_normal);
     if (state.work > settings().god_object.accuracy.work_budget + kLastStep) {
       return expect(false, "the work budget was exceeded");
@@ -295,7 +296,7 @@ TEST_P(StrategiesInHardScenes, NeverLetTheProxyThrough) {
     if (std::getenv("PALPATE_SEED")) return;
   }
   EXPECT_GT(contacts, static_cast<int>(scenes) * kTicksPerScene / 20);
-  if (strategy.kind == StrategyKind::kA4Anticipate) {
+  if (strategy.type == &kA4AnticipateStrategy) {
     EXPECT_GT(turns, static_cast<int>(scenes));
   } else {
     EXPECT_EQ(turns, 0);

@@ -11,6 +11,7 @@
 #include "haptics/check_settings.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
+#include "haptics/strategies/anisotropic.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -40,16 +41,17 @@ HapticSettings settings_of(const Strategy& strategy) {
 TEST(StrategyNames, AreReadAndWritten) {
   for (const char* name : kNames) EXPECT_EQ(name_of(strategy(name)), name);
   EXPECT_EQ(strategy("mask"), Strategy{});
-  EXPECT_EQ(strategy("anisotropic:4"), (Strategy{StrategyKind::kAnisotropic, 4.0}));
-  EXPECT_EQ(strategy("anisotropic:+2.5e-1"), (Strategy{StrategyKind::kAnisotropic, 0.25}));
-  EXPECT_EQ(name_of({StrategyKind::kAnisotropic, 1.0 / 16}), "anisotropic:0.0625");
+  EXPECT_EQ(strategy("anisotropic:4"), (Strategy{&kAnisotropicStrategy, 4.0}));
+  EXPECT_EQ(strategy("anisotropic:+2.5e-1"), (Strategy{&kAnisotropicStrategy, 0.25}));
+  EXPECT_EQ(name_of({&kAnisotropicStrategy, 1.0 / 16}), "anisotropic:0.0625");
 }
 
 TEST(StrategyNames, KeepEveryBitOfTheAnisotropy) {
   Random random(11);
   for (int n = 0; n < 10000; ++n) {
-    const Strategy written{StrategyKind::kAnisotropic,
-                           random.uniform(kLeastAnisotropy, kMostAnisotropy)};
+    const Strategy written{&kAnisotropicStrategy,
+                           random.uniform(kAnisotropicStrategy.parameter->least,
+                                          kAnisotropicStrategy.parameter->most)};
     ASSERT_EQ(strategy(name_of(written)), written);
   }
 }
@@ -58,9 +60,9 @@ TEST(StrategyNames, AreReadAlikeInEveryLocale) {
   const std::string before = std::setlocale(LC_ALL, nullptr);
   for (const char* locale : {"de_DE.UTF-8", "de_DE.utf8", "C"}) {
     if (std::setlocale(LC_ALL, locale) == nullptr) continue;
-    EXPECT_EQ(strategy("anisotropic:0.5").anisotropy, 0.5) << locale;
+    EXPECT_EQ(strategy("anisotropic:0.5").parameter, 0.5) << locale;
     EXPECT_FALSE(parse_strategy("anisotropic:0,5")) << locale;
-    EXPECT_EQ(name_of({StrategyKind::kAnisotropic, 0.5}), "anisotropic:0.5") << locale;
+    EXPECT_EQ(name_of({&kAnisotropicStrategy, 0.5}), "anisotropic:0.5") << locale;
   }
   std::setlocale(LC_ALL, before.c_str());
 }
@@ -146,7 +148,7 @@ TEST(Strategies, OfAnisotropyOneEqualMaskButForTheFullForce) {
   int contacts = 0;
   for (int run = 0; run < 8; ++run) {
     const ActuationModel device = motors_anywhere(random);
-    HapticLoop a(world.world(), device, settings_of({StrategyKind::kAnisotropic, 1.0}));
+    HapticLoop a(world.world(), device, settings_of({&kAnisotropicStrategy, 1.0}));
     HapticLoop b(world.world(), device, settings_of(strategy("mask")));
     for (const Vec3& p : path_into_box(random)) {
       TickRecord record = a.tick(p, kTick_s);
@@ -227,7 +229,7 @@ TEST(StrategySettings, ThatContradictTheForceOrA4AreRefused) {
   const auto error = check_settings(for_spheres.world(), settings);
   ASSERT_TRUE(error);
   EXPECT_NE(error->problem.find("is for a point"), std::string::npos) << error->to_string();
-  settings = settings_of({StrategyKind::kAnisotropic, 17.0});
+  settings = settings_of({&kAnisotropicStrategy, 17.0});
   EXPECT_NE(error_of(settings).find("expected a number from"), std::string::npos);
   settings = settings_of(strategy("a4-anticipate"));
   settings.anticipation.range_m = 0.0;

@@ -23,9 +23,9 @@ using test::tuned_settings;
 TEST(CompareList, ReadsNamesInOrder) {
   const CompareSettings settings = settings_of("a4,anisotropic:0.25,none,anisotropic:2");
   ASSERT_EQ(settings.strategies.size(), 4u);
-  EXPECT_EQ(settings.strategies[0].kind, StrategyKind::kA4);
-  EXPECT_EQ(settings.strategies[1], (Strategy{StrategyKind::kAnisotropic, 0.25}));
-  EXPECT_EQ(settings.strategies[3].anisotropy, 2.0);
+  EXPECT_EQ(settings.strategies[0].type, &kA4Strategy);
+  EXPECT_EQ(settings.strategies[1], (Strategy{&kAnisotropicStrategy, 0.25}));
+  EXPECT_EQ(settings.strategies[3].parameter, 2.0);
   EXPECT_FALSE(settings.is_tuned);
   EXPECT_TRUE(settings_of("anisotropic").is_tuned);
 }

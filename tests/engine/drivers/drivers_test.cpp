@@ -1,24 +1,30 @@
 // Devices as a user names them.
 
-#include "engine/devices/device_options.h"
+#include "engine/drivers/drivers.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "engine/drivers/hapi_driver.h"
+
 namespace palpate {
 namespace {
 
 std::string error_of(const std::string& text) {
-  const auto settings = parse_device("--device", text);
-  return settings ? "" : settings.error().to_string();
+  const auto device = make_device("--device", text, false);
+  return device ? "" : device.error().to_string();
+}
+
+Result<HapiSettings> settings_of(const std::string& list) {
+  const auto values = parse_driver_values(kHapiDriver, list);
+  return values ? hapi_settings_of(*values) : Result<HapiSettings>(values.error());
 }
 
 TEST(DeviceOptions, ReadsEverySetting) {
-  const auto settings =
-      parse_device("--device",
-                   "hapi:port=/dev/ttyACM1,base=0.03,proximal=0.06,distal=0.08,torque-per-Nm=-2.5,"
-                   "peak-torque=0.1,dev=7,counts=4096,angle1=170,angle2=10,rate=500");
+  const auto settings = settings_of(
+      "port=/dev/ttyACM1,base=0.03,proximal=0.06,distal=0.08,torque-per-Nm=-2.5,"
+      "peak-torque=0.1,dev=7,counts=4096,angle1=170,angle2=10,rate=500");
   ASSERT_TRUE(settings) << settings.error().to_string();
   EXPECT_EQ(settings->port, "/dev/ttyACM1");
   EXPECT_EQ(settings->links.base_m, 0.03);
@@ -34,7 +40,7 @@ TEST(DeviceOptions, ReadsEverySetting) {
 }
 
 TEST(DeviceOptions, ThePortAloneIsEnough) {
-  const auto settings = parse_device("--device", "hapi:port=/dev/ttyACM0");
+  const auto settings = settings_of("port=/dev/ttyACM0");
   ASSERT_TRUE(settings);
   EXPECT_EQ(settings->links.base_m, 0.02);
   EXPECT_FALSE(settings->torque_per_Nm);
@@ -70,6 +76,59 @@ TEST(DeviceOptions, ErrorsNameTheSettingAndWhatIsExpected) {
   for (const auto& [text, error] : cases) {
     EXPECT_EQ(error_of(text).find(error), 0u) << text << " gives " << error_of(text);
     EXPECT_EQ(error_of(text).find('\n'), std::string::npos);
+  }
+}
+
+TEST(Drivers, MakeADeviceThatWorksWithoutAGuardOnlyOnRequest) {
+  for (const bool works : {false, true}) {
+    const auto device = make_device("--device", "hapi:port=/dev/ttyACM0", works);
+    ASSERT_TRUE(device) << device.error().to_string();
+    EXPECT_EQ((*device)->description().sensed_axes, 2);
+    EXPECT_TRUE((*device)->description().moves_motors);
+  }
+}
+
+// The list names each key with its range, and what it is without the key is what the driver takes.
+TEST(Drivers, ListTheirKeysWithRangesAndInitialValues) {
+  const std::string text = drivers_text();
+  for (const Driver* driver : drivers()) {
+    EXPECT_NE(("\n" + text).find("\n" + std::string(driver->name) + "  "), std::string::npos);
+    for (const DriverKey& key : driver->keys()) {
+      EXPECT_NE(text.find("\n      " + std::string(key.name) + " "), std::string::npos) << key.name;
+    }
+  }
+  std::string list = "port=/dev/ttyACM0";
+  for (const DriverKey& key : kHapiDriver.keys()) {
+    if (!key.initial) continue;
+    list += "," + std::string(key.name) + "=" + std::to_string(*key.initial);
+    if (key.kind == DriverKeyKind::kWhole) list.resize(list.find('.', list.rfind('=')));
+  }
+  const auto stated = settings_of(list);
+  const auto initial = settings_of("port=/dev/ttyACM0");
+  ASSERT_TRUE(stated && initial);
+  EXPECT_EQ(stated->links.base_m, initial->links.base_m);
+  EXPECT_EQ(stated->links.proximal_m, initial->links.proximal_m);
+  EXPECT_EQ(stated->links.distal_m, initial->links.distal_m);
+  EXPECT_EQ(stated->wiring.device, initial->wiring.device);
+  EXPECT_EQ(stated->wiring.counts_per_turn, initial->wiring.counts_per_turn);
+  EXPECT_EQ(stated->wiring.rest_deg, initial->wiring.rest_deg);
+  EXPECT_EQ(stated->rate_Hz, initial->rate_Hz);
+}
+
+// A key just outside of its range is refused by name.
+TEST(Drivers, RefuseNumbersOutsideOfTheListedRange) {
+  for (const DriverKey& key : kHapiDriver.keys()) {
+    if (key.kind == DriverKeyKind::kText) continue;
+    const double step = key.kind == DriverKeyKind::kWhole ? 1.0 : 0.01 * (key.most - key.least);
+    const double number = key.most + step;
+    const std::string text = key.kind == DriverKeyKind::kWhole
+                                 ? std::to_string(static_cast<int>(number))
+                                 : std::to_string(number);
+    std::string list = "hapi:port=x," + std::string(key.name) + "=" + text;
+    if (key.name == "torque-per-Nm") list += ",peak-torque=0.1";
+    if (key.name == "peak-torque") list += ",torque-per-Nm=1";
+    EXPECT_EQ(error_of(list).find("--device: " + std::string(key.name) + ": is "), 0u)
+        << error_of(list);
   }
 }
 
