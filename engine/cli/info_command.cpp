@@ -15,9 +15,9 @@
 #include "engine/cli/scene_options.h"
 #include "engine/cli/scene_report.h"
 #include "engine/devices/light_device.h"
-#include "engine/scene/node_tree.h"
 #include "engine/rig/placed_bounds.h"
 #include "engine/rig/workspace.h"
+#include "engine/scene/node_tree.h"
 #include "io/gltf/reader.h"
 
 namespace palpate {

@@ -26,8 +26,8 @@
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/trajectory_report.h"
 #include "engine/recording/recording_reader.h"
-#include "engine/scene/memory_budget.h"
 #include "engine/rig/replay.h"
+#include "engine/scene/memory_budget.h"
 #include "engine/session/trace_csv.h"
 
 namespace palpate {
@@ -41,7 +41,7 @@ class ReplayCommand final : public Command {
  private:
   int replay_recording();
   Result<RunRecords> replay_with_progress(const Scene& scene, const RunSetup& setup,
-                                            const PlayedPath& path) const;
+                                          const PlayedPath& path) const;
   std::optional<Error> write_trace_with_progress(const std::vector<TickRecord>& records) const;
 
   CLI::App* app_ = nullptr;
@@ -133,7 +133,7 @@ int ReplayCommand::replay_recording() {
 }
 
 Result<RunRecords> ReplayCommand::replay_with_progress(const Scene& scene, const RunSetup& setup,
-                                                         const PlayedPath& path) const {
+                                                       const PlayedPath& path) const {
   ProgressBar bar("replay");
   const auto show = [&bar](double share) { bar.show(share); };
   return path.ticks_s

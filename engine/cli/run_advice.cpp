@@ -10,9 +10,9 @@
 
 #include "engine/cli/command_line.h"
 #include "engine/cli/option_names.h"
+#include "engine/rig/placed_bounds.h"
 #include "engine/scene/memory_budget.h"
 #include "engine/simulation/path_plan.h"
-#include "engine/rig/placed_bounds.h"
 #include "engine/simulation/run_judgement.h"
 
 namespace palpate {

@@ -7,8 +7,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "engine/scene/scene.h"
 #include "engine/rig/replay.h"
+#include "engine/scene/scene.h"
 #include "engine/simulation/exploration.h"
 
 namespace palpate {

@@ -3,8 +3,8 @@
 #include <sstream>
 #include <utility>
 
-#include "engine/simulation/ball_outline.h"
 #include "engine/rig/placed_bounds.h"
+#include "engine/simulation/ball_outline.h"
 #include "engine/simulation/scene_cut.h"
 
 namespace palpate {

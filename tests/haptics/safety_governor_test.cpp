@@ -667,8 +667,7 @@ TEST(SafetyGovernor, KeepsItsPromisesUnderRandomSchedules) {
   }
   EXPECT_GT(tripped, 300);
   for (int rule = 0; rule < kGovernorRuleCount; ++rule) {
-    EXPECT_NE(rules >> rule & 1u, 0u)
-        << kGovernorRuleNames[static_cast<std::size_t>(rule)];
+    EXPECT_NE(rules >> rule & 1u, 0u) << kGovernorRuleNames[static_cast<std::size_t>(rule)];
   }
 }
 

@@ -261,7 +261,10 @@ class TouchHand {
 class RandomTouches {
  public:
   RandomTouches(std::uint64_t seed, Tally& tally)
-      : random_(seed), tally_(tally), radius_m_(random_.index(2) == 0 ? 0.0 : 0.003), hand_(random_) {}
+      : random_(seed),
+        tally_(tally),
+        radius_m_(random_.index(2) == 0 ? 0.0 : 0.003),
+        hand_(random_) {}
 
   void run(int ticks) {
     const TouchScene touched = made_scene(random_, radius_m_);

@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/scene/scene.h"
 #include "engine/rig/replay.h"
+#include "engine/scene/scene.h"
 #include "engine/simulation/exploration.h"
 #include "geometry/base/memory_ledger.h"
 #include "geometry/base/parallel.h"

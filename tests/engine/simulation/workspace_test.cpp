@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/simulation/exploration.h"
 #include "engine/rig/placed_bounds.h"
+#include "engine/simulation/exploration.h"
 #include "engine/simulation/plane_height.h"
 #include "geometry/mesh/section.h"
 #include "tests/helpers/random.h"
