@@ -5,27 +5,11 @@
 #include <utility>
 
 #include "haptics/check_settings.h"
+#include "haptics/effects/cones_of_effects.h"
 #include "haptics/effects/rendered_force.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
-namespace {
-
-// Provides the god-object with the friction coefficients that a world's effects set for its faces.
-class ConesOfEffects final : public FrictionCones {
- public:
-  ConesOfEffects(EffectRunner& effects, const LiveWorld& world)
-      : effects_(effects), world_(world) {}
-  FrictionCone at(const FaceContact& contact, const Vec3& proxy) noexcept override {
-    return effects_.friction_cone(world_, contact, proxy);
-  }
-
- private:
-  EffectRunner& effects_;
-  const LiveWorld& world_;
-};
-
-}  // namespace
 
 HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
                        const HapticSettings& settings)

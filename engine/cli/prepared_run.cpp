@@ -37,7 +37,7 @@ Result<PreparedRun> prepare_run(const RunRequest& command) {
   SceneOptions options = command.scene;
   options.fits_workspace = false;
   const RunSettings& settings = command.options.settings;
-  auto scene_settings = scene_settings_of(options, settings.radius_m);
+  auto scene_settings = scene_settings_of(options, settings.haptics.god_object.radius_m);
   if (!scene_settings) return scene_settings.error();
   auto fitted = load_fitted(
       *setup, {std::move(*scene_settings), command.scene.fits_workspace},

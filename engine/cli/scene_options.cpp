@@ -130,7 +130,7 @@ Result<Scene> load_scene(const SceneOptions& options, const SceneSettings& setti
 }
 
 Result<Scene> load_scene(const SceneOptions& options, const RunSettings& run) {
-  const auto settings = scene_settings_of(options, run.radius_m);
+  const auto settings = scene_settings_of(options, run.haptics.god_object.radius_m);
   if (!settings) return settings.error();
   return load_scene(options, *settings, run.rate_Hz);
 }

@@ -94,8 +94,8 @@ void encode_state(const ViewState& state, std::span<const BodyPose> bodies, doub
   put(out, now_s);
   put(out, static_cast<std::uint32_t>(sizeof(TickRecord)));
   put(out, static_cast<std::uint32_t>(bodies.size()));
-  const std::string_view body_name = state.body_name.substr(0, kMostNameBytes);
-  const std::string_view material_name = state.material_name.substr(0, kMostNameBytes);
+  const std::string_view body_name = state.body_name.substr(0, kMostTouchedNameBytes);
+  const std::string_view material_name = state.material_name.substr(0, kMostTouchedNameBytes);
   put(out, state.axis_count);
   put(out, static_cast<std::uint16_t>(body_name.size()));
   put(out, static_cast<std::uint16_t>(material_name.size()));

@@ -49,10 +49,10 @@ struct ViewState {
   std::uint32_t axis_count = 0;                    // of the actuated span
   std::array<std::array<double, 3>, 3> axes = {};  // its basis, device frame
   // What the tick touches (Scene::body_name, material_name); must outlive the state. A message has
-  // at most kMostNameBytes of each.
+  // at most kMostTouchedNameBytes of each.
   std::string_view body_name, material_name;
 };
-inline constexpr std::size_t kMostNameBytes = 256;
+inline constexpr std::size_t kMostTouchedNameBytes = 256;
 
 // The pose of a moving body, T_scene_body.
 struct BodyPose {

@@ -17,7 +17,8 @@
 
 #include <gtest/gtest.h>
 
-#include "haptics/haptic_loop_steps.h"
+#include "haptics/effects/cones_of_effects.h"
+#include "haptics/haptic_loop.h"
 #include "tests/helpers/compiled_scene.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
@@ -138,7 +139,7 @@ class Mirror {
   Vec3 lag_m() const { return god_.proxy() - goal_m_; }
 
  private:
-  // Far from all effects, the loop moves without friction (haptic_loop_steps.h).
+  // Far from all effects, the loop moves without friction (HapticLoop::begin_effects).
   ProxyState move_with_effects(const TickRecord& record, const std::optional<Vec3>& plane) {
     if (effects_->is_far_from_all(god_.world(), god_.proxy(), goal_m_)) {
       return god_.move_to(goal_m_, plane);
