@@ -14,7 +14,7 @@ LONGEST_US = 500.0
 STATEMENTS = [("haptics/proxy/work.h", r"One unit takes at most (\d+) ns"),
               ("MANUAL.md", r"A unit takes at most (\d+) ns"),
               ("GLOSSARY.md", r"one unit takes at most (\d+) ns"),
-              ("engine/cli/run_options.cpp", r"units of at most (\d+) ns")]
+              ("engine/session/run_setting.cpp", r"units of at most (\d+) ns")]
 
 
 def read(folder):

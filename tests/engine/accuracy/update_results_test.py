@@ -50,7 +50,7 @@ class Copy:
         shutil.copytree(project / "benchmarks/results", folder / "benchmarks/results")
         for name in ("README.md", "benchmarks/RESULTS.md", "haptics/proxy/groove.svg",
                      "haptics/proxy/work.h", "MANUAL.md", "GLOSSARY.md",
-                     "engine/cli/run_options.cpp"):
+                     "engine/session/run_setting.cpp"):
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(project / name, folder / name)
         self.readme = folder / "README.md"
