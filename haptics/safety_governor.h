@@ -11,7 +11,7 @@
 
 #include "geometry/base/types.h"
 #include "haptics/motor_limits.h"
-#include "haptics/speed_window.h"
+#include "haptics/strategies/speed_window.h"
 #include "palpate/device.h"
 #include "palpate/record.h"
 

@@ -1,7 +1,6 @@
 #include "haptics/strategies/a4_anticipate.h"
 
-#include "haptics/record_vectors.h"
-#include "haptics/speed_window.h"
+#include "haptics/strategies/speed_window.h"
 #include "haptics/strategies/strategy_step.h"
 
 namespace palpate {
@@ -21,7 +20,7 @@ class A4AnticipateStep final : public StrategyStep {
 
   AxisAngle turn_about_device_point(const StrategyTick& tick) noexcept override {
     if (!tick.follows_good_tick) window_.clear();
-    window_.add(tick.record.time_s, view(tick.record.device_m));
+    window_.add(tick.record.time_s, Vec3(tick.record.device_m));
     if (tick.record.contact) {
       anticipation_.end();
       return {};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "haptics/record_vectors.h"
 #include "haptics/strategies/strategy_step.h"
 
 namespace palpate {
@@ -15,13 +14,13 @@ class ControlDisplayStep final : public StrategyStep {
 
   std::optional<Vec3> scene_origin_m(const StrategyTick& tick) noexcept override {
     const TickRecord& record = tick.record;
-    const Vec3 device_m = view(record.device_m);
+    const Vec3 device_m(record.device_m);
     const Vec3 step_m = device_m - last_device_m_;
     last_device_m_ = device_m;
     if (!tick.follows_good_tick) return std::nullopt;
-    const Vec3 lag_scene_m = view(record.proxy_scene_m) - view(record.goal_scene_m);
+    const Vec3 lag_scene_m = Vec3(record.proxy_scene_m) - Vec3(record.goal_scene_m);
     ratio_.update({step_m, record.contact != 0, tick.R_device_scene * lag_scene_m,
-                   view(record.full_force_device_N) - view(record.force_device_N)});
+                   Vec3(record.full_force_device_N) - Vec3(record.force_device_N)});
     return home_m_ + ratio_.drift_m();
   }
 

@@ -19,7 +19,7 @@ import tempfile
 TEST = "tests/haptics/safety_governor_test.cpp"
 GOVERNOR = "haptics/safety_governor.cpp"
 MOTORS = "haptics/motor_limits.cpp"
-SPEED = "haptics/speed_window.h"
+SPEED = "haptics/strategies/speed_window.h"
 SOURCES = [GOVERNOR, MOTORS, TEST]
 # A broken governor may run into an endless loop; the tests take some seconds.
 LONGEST_S = 120

@@ -229,7 +229,7 @@ TEST_F(TraceFile, WritesSeventeenDigitsAndTheExtremes) {
   put(Vec3::Constant(kInfinity), row.force_device_N);
   row.step_ns = std::numeric_limits<std::int64_t>::min();
   const auto fields = split(write({row}).substr(trace_columns().size() + 1));
-  ASSERT_EQ(fields.size(), 47u) << "and an empty one at the end";
+  ASSERT_EQ(fields.size(), 48u) << "the last one is empty";
   EXPECT_EQ(fields[0], "18446744073709551615");
   EXPECT_EQ(fields[1], "0.10000000000000001");
   EXPECT_EQ(fields[2], "-inf");
