@@ -38,7 +38,7 @@ def main():
             assert columns[name].dtype == numpy.dtype(column["type"]), name
             assert columns[name].tobytes() == rows[name].tobytes(), name
         assert (columns["tick"] == numpy.arange(len(rows))).all()
-        assert columns["contact"].any() and columns["force_device_N_x"].any()
+        assert columns["contact"].any() and columns["full_force_device_N_x"].any()
     return 0
 
 
