@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-// The shares are computed only if they decide something: an edge mostly
-// lies between faces of one body and one material.
+// The shares are computed only if they decide something: an edge mostly lies between faces of one
+// body and one material.
 void TouchState::name_largest(const ContactView& contact, const Vec3& lag_m,
                               TickRecord& record) const noexcept {
   const std::span<const FaceContact> contacts = contact.contacts();

@@ -112,8 +112,9 @@ int ReplayCommand::replay_recording() {
         std::find(kRecordingOptions.begin(), kRecordingOptions.end(), name) !=
             kRecordingOptions.end() ||
         std::find(kChangedByReplay.begin(), kChangedByReplay.end(), name) != kChangedByReplay.end();
-    if (option->count() > 0 && !is_known)
+    if (option->count() > 0 && !is_known) {
       return refuse(invalid_argument(name, not_for_recording()));
+    }
   }
   const auto is_given = [this](const std::string& name) {
     return app_->get_option(name)->count() > 0;

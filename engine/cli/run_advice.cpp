@@ -184,8 +184,8 @@ class Candidates {
   // or sixteen press depths.
   void add_workspaces() {
     const double depth_m = PathPlanSettings{}.press_depth_m;
-    const double widest_m =
-        (bounds_.high - bounds_.low).head(command_.options.settings.sensors).maxCoeff();
+    const Vec3 extent_m = bounds_.high - bounds_.low;
+    const double widest_m = extent_m.head(command_.options.settings.sensors).maxCoeff();
     double path_m = std::numeric_limits<double>::infinity();
     for (const ExplorationRun& run : runs_) {
       if (slips_off(run)) path_m = std::min(path_m, way_extent_m(run));

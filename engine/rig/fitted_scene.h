@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-// How a scene lies in the workspace, beside its pose (RunSettings::place).
+// How a scene lies in the workspace, beside its pose (HapticSettings::initial_pose).
 struct SceneFit {
   SceneSettings scene;          // with its scale or its size
   bool fits_workspace = false;  // scale the scene to the workspace if it does not fit; no scale and

@@ -56,7 +56,7 @@ constexpr RunSetting recorded_only(std::string_view field, SettingValuePlace val
 
 // In the order of the help.
 constexpr RunSetting kSettings[] = {
-    setting("initial_pose", OwnSetting{}, "--place", kScene, {},
+    setting("initial_pose", OwnSetting{.is_haptic = true}, "--place", kScene, {},
             "pose of the scene in the device frame, \"x y z qw qx qy qz\"", "", "", {"place", 15}),
     setting(
         "moves", OwnSetting{}, "--move", kScene, {},
@@ -109,14 +109,12 @@ constexpr RunSetting kSettings[] = {
     setting(
         "work_budget", OwnSetting{}, "--work-budget", kTouch, {1, 1e12},
         "largest work of a tick, in units of at most 23 ns; auto: measured at the start, so that "
-        "the "
-        "proxy and the effects take at most half of a tick of --rate [5000, 20000 or 160000 for "
-        "--accuracy fast, balanced or exact]",
+        "the proxy and the effects take at most half of a tick of --rate [5000, 20000 or 160000 "
+        "for --accuracy fast, balanced or exact]",
         "", "", {"work_budget", 12}),
     setting(CHOICE(coupling.velocity.method, kEstimators), "--velocity-estimator", kTouch, {},
             "velocity for the damper: difference over the window, line fitted to the window, or "
-            "adaptive: "
-            "the longest window whose positions are on a line within an encoder's step",
+            "adaptive: the longest window whose positions are on a line within an encoder's step",
             "", "", {"velocity_estimator", 7}, {"coupling.velocity_method", 10}),
     setting(HAPTIC(coupling.velocity.window_ticks), "--velocity-window", kTouch,
             {1, VelocityEstimator::kMostTicks},
@@ -183,9 +181,9 @@ std::vector<const RunSetting*> by_turn(RunSettingTable table, KeyOf key_of) {
 
 bool RunSetting::is_haptic() const {
   return std::visit(
-      [this](const auto& place) {
+      [](const auto& place) {
         using Place = std::decay_t<decltype(place)>;
-        if constexpr (std::is_same_v<Place, OwnSetting>) return field == "initial_pose";
+        if constexpr (std::is_same_v<Place, OwnSetting>) return place.is_haptic;
         if constexpr (std::is_same_v<Place, SettingChoice>) return true;
         if constexpr (requires { place.in_haptics; }) return place.in_haptics != nullptr;
       },

@@ -49,7 +49,9 @@ struct SettingChoice {
 };
 
 // A value that each reader reads in a way of its own.
-struct OwnSetting {};
+struct OwnSetting {
+  bool is_haptic = false;  // in HapticSettings
+};
 
 using SettingValuePlace =
     std::variant<OwnSetting, SettingChoice, SettingPlace<bool>, SettingPlace<double>,

@@ -78,7 +78,9 @@ TEST(DeviceDelay, OfARecordingIsReadAndChecked) {
     EXPECT_EQ(session->device.delay_s, delay_s);
     const auto outcome = replay_recording(*reader, *session, scenario.scene());
     ASSERT_EQ(static_cast<bool>(outcome), delay_s <= kLongestDelay_s);
-    if (!outcome) EXPECT_EQ(outcome.error().element, "device.delay_s");
+    if (!outcome) {
+      EXPECT_EQ(outcome.error().element, "device.delay_s");
+    }
   }
 }
 
