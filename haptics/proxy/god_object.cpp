@@ -74,15 +74,10 @@ bool GodObject::place(const Vec3& p, const std::optional<Vec3>& motion_plane_nor
   tracer_.begin_tick();
   set_motion_plane(motion_plane_normal);
   proxy_ = goal_ = p;
-  settled_ = false;
-  confirmed_ = false;
-  slide_ = {};
-  goes_on_ = false;
-  repeats_step_ = false;
+  rest_.place();
   last_push_.reset();
   tracer_.forget_steps();
   path_.clear();
-  last_active_count_ = last_count_ = 0;
   std::array<FaceContact, kMaxContactPlanes> contacts;
   std::array<ContactPlane, kMaxContactPlanes> planes;
   const std::size_t count = tracer_.contacts_in_front(p, 2 * scale().stand_off_m, contacts);
@@ -101,8 +96,7 @@ bool GodObject::place(const Vec3& p, const std::optional<Vec3>& motion_plane_nor
 ProxyState GodObject::move_to(const Vec3& goal,
                               const std::optional<Vec3>& motion_plane_normal) noexcept {
   if (!is_goal(goal, motion_plane_normal)) return refused();
-  slide_ = {};
-  last_holds_ = {};
+  rest_.forget_friction();
   NoFriction none;
   return move(goal, motion_plane_normal, none);
 }
@@ -130,8 +124,7 @@ ProxyState GodObject::move_freely() {
   commit(goal_);
   plane_count_ = 0;
   projection_ = {};
-  goes_on_ = false;
-  repeats_step_ = false;
+  rest_.move_freely();
   tracer_.look_ahead(proxy_, step, true);
   ProxyState state;
   state.proxy = proxy_;
@@ -144,10 +137,9 @@ void GodObject::seed_from_last_tick() {
   plane_count_ = 0;
   projection_ = {};
   planes_are_current_ = is_over_next_ = false;
-  for (int i = 0; i < last_count_; ++i) {
-    const FaceContact& last = last_contacts_[i];
+  for (const FaceContact& last : std::as_const(rest_).known()) {
     // A point that ended the last tick at a minimum is still over its face.
-    if (settled_ && tracer_.radius_m() == 0.0 && last.feature == TriangleFeature::kFace) {
+    if (rest_.is_settled() && tracer_.radius_m() == 0.0 && last.feature == TriangleFeature::kFace) {
       add_plane(tracer_.contact_over(last.face, proxy_, last.normal));
     } else {
       add_if_touched(last);
@@ -437,21 +429,6 @@ bool GodObject::settled() const {
     }
   }
   return true;
-}
-
-// Stores the faces that hold the proxy and, after a capped tick, the other faces that it has met.
-void GodObject::keep_contacts_for_next_tick(bool capped) {
-  last_active_count_ = projection_.active_count;
-  last_count_ = last_active_count_;
-  for (int i = 0; i < projection_.active_count; ++i) {
-    last_contacts_[i] = contacts_[projection_.active[i]];
-  }
-  if (!capped) return;
-  const auto active_end = projection_.active.begin() + projection_.active_count;
-  for (int i = 0; i < plane_count_; ++i) {
-    const bool is_active = std::find(projection_.active.begin(), active_end, i) != active_end;
-    if (!is_active) last_contacts_[last_count_++] = contacts_[i];
-  }
 }
 
 ProxyState GodObject::report(int iterations, bool capped) const {

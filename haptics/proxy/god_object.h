@@ -15,6 +15,7 @@
 #include "haptics/proxy/live_world.h"
 #include "haptics/proxy/motion_plane.h"
 #include "haptics/proxy/plane_projection.h"
+#include "haptics/proxy/proxy_rest.h"
 #include "haptics/proxy/proxy_state.h"
 #include "haptics/proxy/segment_tracer.h"
 
@@ -37,13 +38,6 @@ class FrictionCones {
 
  protected:
   ~FrictionCones() = default;
-};
-
-// What a god-object remembers of a slide from tick to tick.
-struct SlideMemory {
-  bool slides = false;          // the contact slides
-  double dynamic_friction = 0;  // the coefficient with which it slid last
-  double excess_m = 0.0;        // lag minus the limit of the dynamic cone; negative if it sticks
 };
 
 struct FrictionSource {
@@ -208,13 +202,11 @@ class GodObject {
                           const AnisotropicNorm& norm) noexcept;
 
   // Makes the present contact stick like a new one. To be called in a tick that commands no force.
-  void end_friction() noexcept { slide_ = {}; }
+  void end_friction() noexcept { rest_.end_slide(); }
 
   const Vec3& proxy() const { return proxy_; }
   // The faces that hold the proxy, at most three. Valid until the next move.
-  std::span<const FaceContact> contacts() const {
-    return std::span(last_contacts_).first(static_cast<std::size_t>(last_active_count_));
-  }
+  std::span<const FaceContact> contacts() const { return rest_.holding(); }
   // The unit normal of the contact plane of the i-th contact; under a plane of motion it lies in
   // that plane. Valid until the next move.
   const Vec3& plane_normal(std::size_t i) const {
@@ -314,7 +306,6 @@ class GodObject {
   bool roll_to_cone(Friction& friction);
   template <typename Friction>
   bool stays_at_rest(Friction& friction);
-  bool has_friction() const { return last_holds_[0] || last_holds_[1] || last_holds_[2]; }
   bool is_carried_by(std::uint32_t body) const;
   void add_if_touched(const FaceContact& met);
   void update_planes();
@@ -445,7 +436,10 @@ class GodObject {
   void commit(const Vec3& proxy);
   bool is_above(const FaceContact& contact) const;
   bool settled() const;
-  void keep_contacts_for_next_tick(bool capped);
+  void keep_contacts_for_next_tick(bool capped) {
+    const auto met = std::span(contacts_).first(static_cast<std::size_t>(plane_count_));
+    rest_.keep_contacts(met, projection_, capped);
+  }
   ProxyState report(int iterations, bool capped) const;
 
   bool has_bad_settings_;
@@ -488,18 +482,9 @@ class GodObject {
 
   bool rounding_decides_ = false;  // rounding decides whether an improving segment exists
 
-  bool settled_ = false;    // the last tick ended at a local minimum
-  bool confirmed_ = false;  // the last tick was not capped; no body has pushed the proxy since
-  bool goes_on_ = false;    // the last tick was capped or its goal waited; the next continues it
-  // The faces that held the proxy, and after them other faces that the next tick should know.
-  std::array<FaceContact, kMaxContactPlanes> last_contacts_{};
-  int last_count_ = 0;
-  std::array<bool, 3> last_holds_{};  // which of the faces that held the proxy have friction
-  int last_active_count_ = 0;
-  SlideMemory slide_;  // of the contact of the last tick, under friction
+  ProxyRest rest_;  // what the last tick left
 
   // State of a tick that was cut short.
-  bool repeats_step_ = false;            // the next tick begins with the planes of this one
   Vec3 step_from_ = Vec3::Zero();        // position of the proxy at the start of the present step
   Vec3 step_goal_ = Vec3::Zero();        // goal for which the step was begun
   Vec3 step_target_ = Vec3::Zero();      // end point of the interrupted trace

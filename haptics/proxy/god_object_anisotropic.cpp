@@ -32,8 +32,7 @@ ProxyState GodObject::move_in_norm(const Vec3& goal, const std::optional<Vec3>& 
                                    const AnisotropicNorm& norm) noexcept {
   if (settings_.radius_m > 0.0 || !is_goal(goal, motion_plane_normal)) return refused();
   if (motion_plane_normal && !norm.is_within(*motion_plane_normal)) return refused();
-  slide_ = {};
-  last_holds_ = {};
+  rest_.forget_friction();
   InNorm in_norm{&norm};
   return move(goal, motion_plane_normal, in_norm);
 }

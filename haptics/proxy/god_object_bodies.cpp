@@ -39,7 +39,7 @@ std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
                                    const std::optional<Vec3>& motion_plane_normal) noexcept {
   if (motion_plane_normal && !is_unit(*motion_plane_normal)) return motions.size();
   if (!is_motion_plane(motion_plane_normal)) {
-    repeats_step_ = false;  // the interrupted step was in another plane
+    rest_.drop_step();  // the interrupted step was in another plane
     set_motion_plane(motion_plane_normal);
   }
   tracer_.begin_tick();
@@ -111,11 +111,10 @@ bool GodObject::move_body(const BodyMotion& motion) noexcept {
   world_->extend_bounds(motion.body);
   tracer_.forget_moving();
   around_->of.reset();
-  if (proxy_ != proxy_before) settled_ = confirmed_ = repeats_step_ = false;
-  for (int i = 0; i < last_count_; ++i) {
-    FaceContact& contact = last_contacts_[i];
+  if (proxy_ != proxy_before) rest_.disturb();
+  for (FaceContact& contact : rest_.known()) {
     if (contact.face.body != motion.body) continue;
-    settled_ = confirmed_ = repeats_step_ = false;
+    rest_.disturb();
     contact.normal = after.direction(before.inverse_direction(contact.normal)).normalized();
   }
   return true;
@@ -134,7 +133,7 @@ const Vec3& GodObject::plane_point() const {
 // applies the friction to that motion.
 bool GodObject::is_carried_by(std::uint32_t body) const {
   for (std::size_t i = 0; i < contacts().size(); ++i) {
-    if (last_holds_[i] && contacts()[i].face.body == body) return true;
+    if (rest_.holds_by_friction(i) && contacts()[i].face.body == body) return true;
   }
   return false;
 }

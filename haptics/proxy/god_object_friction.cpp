@@ -301,13 +301,14 @@ bool GodObject::roll_to_cone(Friction& friction) {
 // and the position stays the same bit for bit.
 template <typename Friction>
 bool GodObject::stays_at_rest(Friction& friction) {
-  if (!confirmed_ || !has_friction() || plane_count_ < last_active_count_) return false;
+  const bool is_held = rest_.is_settled() && rest_.has_friction();
+  if (!is_held || planes().size() < rest_.holding().size()) return false;
   projection_ = project(friction, planes());
   if (!projection_.solved || !hold_by(friction)) return false;
   if (!projection_.displacement_m.isZero(0.0)) return false;
   if (leaves_edges(Progress::kHeld, friction) || rounding_decides_) return false;
   if (tracer_.is_cut_short()) return false;  // not all attempts have been made
-  goes_on_ = goal_waits_;
+  rest_.settle(goal_waits_);
   keep_contacts_for_next_tick(false);
   return true;
 }
@@ -319,10 +320,10 @@ ProxyState GodObject::move_with_friction(const Vec3& goal,
   if (!is_source || !is_goal(goal, motion_plane_normal)) return refused();
   const double coordinates_m = world_->size_m() + settings_.radius_m + proxy_.lpNorm<1>() +
                                goal.lpNorm<1>() + source.coordinates_m;
-  CoulombFriction friction{{}, &source, coordinates_m, slide_};
+  CoulombFriction friction{{}, &source, coordinates_m, rest_.slide()};
   const ProxyState state = move(goal, motion_plane_normal, friction);
-  last_holds_ = state.is_held ? friction.holds_by : std::array<bool, 3>{};
-  slide_ = state.in_contact ? friction.after() : SlideMemory{};
+  rest_.end_with_friction(state.is_held ? friction.holds_by : std::array<bool, 3>{},
+                          state.in_contact ? friction.after() : SlideMemory{});
   return state;
 }
 

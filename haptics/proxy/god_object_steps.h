@@ -129,19 +129,19 @@ template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                            Friction& friction) {
   begin_tick();
-  const bool keeps_planes = repeats_step_ && is_motion_plane(motion_plane_normal);
+  const bool keeps_planes = rest_.is_cut_short() && is_motion_plane(motion_plane_normal);
   // If the interrupted step is repeated from identical input, it makes the same queries, and the
   // trace log answers them.
   const bool repeats = keeps_planes && goal == step_goal_ && proxy_ == step_from_;
-  if (!repeats) goal_waits_ = goes_on_ && goal == goal_;
+  if (!repeats) goal_waits_ = rest_.goes_on() && goal == goal_;
   goal_ = goal;
   set_motion_plane(motion_plane_normal);
   path_.clear();
   path_.push_back(proxy_);
-  if (last_count_ == 0 && tracer_.is_free(proxy_, goal)) return move_freely();
+  if (rest_.known().empty() && tracer_.is_free(proxy_, goal)) return move_freely();
   if (!keeps_planes) seed_from_last_tick();
   if (tracer_.is_cut_short()) return stay(friction);
-  if (!repeats) is_slow_ = goes_on_;
+  if (!repeats) is_slow_ = rest_.goes_on();
   if (repeats) tracer_.repeat_step();
   if constexpr (Friction::kHolds) {
     limit_detours();
@@ -149,7 +149,6 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   }
   if (keeps_planes && !repeats) finish_last_step(friction);
   bool capped = true;
-  settled_ = false;
   rounding_decides_ = false;
   int iteration = 0;
   [[maybe_unused]] int looks_again = 0;
@@ -168,27 +167,27 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     // A point is at rest if one plane stopped it and the face of that plane is under it. A proxy is
     // also at rest if the planes that hold it were computed at its present position
     // (update_planes).
-    settled_ = progress != Progress::kStuck && settled();
+    bool is_settled = progress != Progress::kStuck && settled();
     if constexpr (Friction::kHolds) {
       // The cone of a sphere is that of the normals at its place.
       const bool is_turned = tracer_.radius_m() > 0.0 && !planes_are_current_;
-      if (settled_ && is_turned && friction.holds() && looks_again < kMostLooks) {
+      if (is_settled && is_turned && friction.holds() && looks_again < kMostLooks) {
         ++looks_again;
         update_planes();
         continue;
       }
     }
-    if (!settled_ && progress != Progress::kMoved && planes_are_current_) {
+    if (!is_settled && progress != Progress::kMoved && planes_are_current_) {
       if (leaves_edges(progress, friction)) {
         rounding_decides_ = false;
         continue;
       }
       if (tracer_.is_cut_short()) break;
-      settled_ = progress == Progress::kHeld && !rounding_decides_;
+      is_settled = progress == Progress::kHeld && !rounding_decides_;
     }
-    capped = !settled_;
+    capped = !is_settled;
     const bool is_stuck = progress == Progress::kStuck || rounding_decides_;
-    if (settled_ || (is_stuck && planes_are_current_)) break;
+    if (is_settled || (is_stuck && planes_are_current_)) break;
     const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
     if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) continue;
     update_planes();
@@ -200,13 +199,16 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
       }
     }
   }
-  repeats_step_ = tracer_.is_cut_short();
-  if (repeats_step_) keep_step_for_next_tick();
+  const bool cut_short = tracer_.is_cut_short();
+  if (cut_short) keep_step_for_next_tick();
   if (capped) find_holding_planes(friction);
   keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
-  confirmed_ = !capped;
-  goes_on_ = capped || goal_waits_;
+  if (capped) {
+    rest_.cap(cut_short);
+  } else {
+    rest_.settle(goal_waits_);
+  }
   if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
   return report(iteration, capped);
 }
