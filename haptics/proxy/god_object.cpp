@@ -75,7 +75,7 @@ bool GodObject::place(const Vec3& p, const std::optional<Vec3>& motion_plane_nor
   set_motion_plane(motion_plane_normal);
   proxy_ = goal_ = p;
   rest_.place();
-  last_push_.reset();
+  pushes_.forget_unfinished();
   tracer_.forget_steps();
   path_.clear();
   std::array<FaceContact, kMaxContactPlanes> contacts;
@@ -107,15 +107,12 @@ void GodObject::set_motion_plane(const std::optional<Vec3>& normal) {
   if (normal) motion_plane_.emplace(*normal);
 }
 
-// Stores the goal and the target of the interrupted step.
-[[gnu::cold]] void GodObject::keep_step_for_next_tick() {
+// Stores the interrupted step, which began at `from`, in a tick with this work of bodies.
+[[gnu::cold]] void GodObject::keep_step_for_next_tick(const Vec3& from, WorkUnits work_of_bodies) {
   // The results of a search among moving bodies are lost when the bodies move.
-  const bool had_little = 2 * work_of_bodies_ > tracer_.work().budget();
-  move_has_turn_ = had_little || tracer_.is_unfinished_among_moving();
-  const TraceKey* unfinished = tracer_.unfinished();
-  if (unfinished && unfinished->p == proxy_ && unfinished->q == step_target_) return;
-  step_goal_ = goal_;
-  if (unfinished) step_target_ = unfinished->q;
+  const bool had_little = 2 * work_of_bodies > tracer_.work().budget();
+  pushes_.end_cut_short(had_little || tracer_.is_unfinished_among_moving());
+  interrupted_.keep(from, proxy_, goal_, tracer_.unfinished());
 }
 
 // Moves straight to the goal. Nothing can be touched on this segment.

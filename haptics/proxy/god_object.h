@@ -12,6 +12,7 @@
 
 #include "haptics/proxy/accuracy.h"
 #include "haptics/proxy/friction_cone.h"
+#include "haptics/proxy/interrupted_work.h"
 #include "haptics/proxy/live_world.h"
 #include "haptics/proxy/motion_plane.h"
 #include "haptics/proxy/plane_projection.h"
@@ -46,12 +47,6 @@ struct FrictionSource {
   // that of the goal. The rounding of the goal depends on this magnitude. Finite, >= 0; otherwise
   // the move is refused (ProxyState::is_refused).
   double coordinates_m = 0.0;
-};
-
-// The target pose of a body. Solver frame.
-struct BodyMotion {
-  std::uint32_t body = 0;
-  RigidTransform T_solver_body;
 };
 
 // The constraint-based proxy of Zilles & Salisbury (1995) for a soup of two-sided triangles. In
@@ -250,17 +245,17 @@ class GodObject {
   bool is_motion_plane(const std::optional<Vec3>& normal) const {
     return normal ? motion_plane_ && motion_plane_->given_normal() == *normal : !motion_plane_;
   }
-  void begin_tick() {
-    if (!bodies_have_moved_) tracer_.begin_tick();
-    bodies_have_moved_ = false;
-    work_of_bodies_ = tracer_.work().used();
+  // Begins the move of a tick. Returns the work of move_bodies() in this tick.
+  WorkUnits begin_tick() {
+    if (!pushes_.begin_move()) tracer_.begin_tick();
     tracer_.begin_errand(SegmentTracer::Errand::kMove);
+    return tracer_.work().used();
   }
   template <typename Friction>
   ProxyState stay(Friction& friction);
   template <typename Friction>
   void finish_last_step(Friction& friction);
-  void keep_step_for_next_tick();
+  void keep_step_for_next_tick(const Vec3& from, WorkUnits work_of_bodies);
   ProxyState move_freely();
   void seed_from_last_tick();
   // Friction is a policy, which also states the norm of distances to the goal: NoFriction,
@@ -484,15 +479,8 @@ class GodObject {
 
   ProxyRest rest_;  // what the last tick left
 
-  // State of a tick that was cut short.
-  Vec3 step_from_ = Vec3::Zero();        // position of the proxy at the start of the present step
-  Vec3 step_goal_ = Vec3::Zero();        // goal for which the step was begun
-  Vec3 step_target_ = Vec3::Zero();      // end point of the interrupted trace
-  std::optional<BodyMotion> last_push_;  // push that was cut short
-  std::size_t first_motion_ = 0;         // position in `motions` of the next body to be pushed
-  bool bodies_have_moved_ = false;       // move_bodies() was called in this tick
-  WorkUnits work_of_bodies_ = 0;         // work of move_bodies() in this tick
-  bool move_has_turn_ = false;           // the next tick moves no bodies
+  InterruptedStep interrupted_;  // of the tick that was last cut short
+  PushOrder pushes_;
 };
 
 }  // namespace palpate

@@ -43,13 +43,12 @@ std::size_t GodObject::move_bodies(std::span<const BodyMotion> motions,
     set_motion_plane(motion_plane_normal);
   }
   tracer_.begin_tick();
-  bodies_have_moved_ = true;
-  if (std::exchange(move_has_turn_, false)) return count_not_arrived(motions);
+  if (!pushes_.begin_pushes()) return count_not_arrived(motions);
   tracer_.begin_errand(SegmentTracer::Errand::kPush);
-  const bool has_turn = !last_push_ || !finishes_push(motions);
+  const bool has_turn = !pushes_.has_unfinished() || !finishes_push(motions);
   const bool are_done = has_turn && push_all(motions);
   update_bounds();
-  if (are_done) first_motion_ = 0;
+  if (are_done) pushes_.begin_with(0);
   return count_not_arrived(motions);
 }
 
@@ -60,15 +59,15 @@ bool GodObject::push_all(std::span<const BodyMotion> motions) noexcept {
   // A body that another one blocked may be free to move once the other one has moved.
   for (int pass = 0; pass < kMostPushPasses && held > 0; ++pass) {
     const std::size_t held_before = std::exchange(held, std::size_t{0});
-    const std::size_t first = first_motion_;
+    const std::size_t first = pushes_.first();
     for (std::size_t i = 0; i < motions.size(); ++i) {
       const BodyMotion& motion = motions[(first + i) % motions.size()];
       if (2 * tracer_.work().used() > tracer_.work().budget()) return false;
       tracer_.begin_step();
       held += move_body(motion) ? 0 : 1;
-      first_motion_ = (first + i + 1) % motions.size();
+      pushes_.begin_with((first + i + 1) % motions.size());
       if (!tracer_.is_cut_short()) continue;
-      last_push_ = motion;
+      pushes_.cut_short(motion);
       return false;
     }
     if (held == held_before) break;
@@ -79,14 +78,13 @@ bool GodObject::push_all(std::span<const BodyMotion> motions) noexcept {
 // Continues the push in which the last tick was cut short, to the pose that was the target then.
 // False if that body no longer moves.
 bool GodObject::finishes_push(std::span<const BodyMotion> motions) noexcept {
-  const BodyMotion push = *last_push_;
-  last_push_.reset();
+  const BodyMotion push = pushes_.take_unfinished();
   const bool still_moves = std::any_of(motions.begin(), motions.end(),
                                        [&](const BodyMotion& m) { return m.body == push.body; });
   if (!still_moves) return false;
   tracer_.repeat_step();
   move_body(push);
-  if (tracer_.is_cut_short()) last_push_ = push;
+  if (tracer_.is_cut_short()) pushes_.cut_short(push);
   return true;
 }
 

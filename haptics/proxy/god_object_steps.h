@@ -128,11 +128,11 @@ inline void GodObject::limit_detours() {
 template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                            Friction& friction) {
-  begin_tick();
+  const WorkUnits work_of_bodies = begin_tick();
   const bool keeps_planes = rest_.is_cut_short() && is_motion_plane(motion_plane_normal);
   // If the interrupted step is repeated from identical input, it makes the same queries, and the
   // trace log answers them.
-  const bool repeats = keeps_planes && goal == step_goal_ && proxy_ == step_from_;
+  const bool repeats = keeps_planes && interrupted_.is_repeated_by(goal, proxy_);
   if (!repeats) goal_waits_ = rest_.goes_on() && goal == goal_;
   goal_ = goal;
   set_motion_plane(motion_plane_normal);
@@ -151,17 +151,16 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   bool capped = true;
   rounding_decides_ = false;
   int iteration = 0;
+  Vec3 from = proxy_;  // position at the start of the present step
   [[maybe_unused]] int looks_again = 0;
   while (iteration < settings_.accuracy.iterations) {
     ++iteration;
     if (iteration > kPatience) become_slow();
     limit_detours();
     if (!repeats || iteration > 1) tracer_.begin_step();
-    step_from_ = proxy_;
-    [[maybe_unused]] Vec3 before;
-    if constexpr (Friction::kHolds) before = proxy_;
+    from = proxy_;
     const Progress progress = take_step(friction);
-    if constexpr (Friction::kHolds) friction.end_step(proxy_ != before);
+    if constexpr (Friction::kHolds) friction.end_step(proxy_ != from);
     if (progress == Progress::kStopped) continue;
     if (tracer_.is_cut_short()) break;
     // A point is at rest if one plane stopped it and the face of that plane is under it. A proxy is
@@ -200,7 +199,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     }
   }
   const bool cut_short = tracer_.is_cut_short();
-  if (cut_short) keep_step_for_next_tick();
+  if (cut_short) keep_step_for_next_tick(from, work_of_bodies);
   if (capped) find_holding_planes(friction);
   keep_contacts_for_next_tick(capped);
   tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
@@ -228,12 +227,11 @@ template <typename Friction>
 // completed step increases the distance to the present goal, it is undone.
 template <typename Friction>
 [[gnu::cold]] void GodObject::finish_last_step(Friction& friction) {
-  const TraceKey* unfinished = tracer_.unfinished();
-  if (!unfinished || unfinished->p != proxy_ || unfinished->q != step_target_) return;
-  if (2.0 * (goal_ - step_goal_).norm() > (step_goal_ - proxy_).norm()) return;
+  if (!interrupted_.is_trace(tracer_.unfinished(), proxy_)) return;
+  if (!interrupted_.is_still_wanted(goal_, proxy_)) return;
   limit_detours();
   const ProxyPlace before = place_now();
-  const Vec3 target = step_target_;
+  const Vec3 target = interrupted_.target();
   stop_at_first_hit(target);
   if (tracer_.is_cut_short()) return;
   if (friction.length(proxy_ - goal_) > friction.length(before.proxy - goal_)) return_to(before);
