@@ -16,13 +16,6 @@ namespace {
 // within a stand-off of the last stop, usually a face of the same vertex.
 constexpr int kMaxShortenings = 8;
 
-// The least cosine of the angle between two successive slides that count as the same direction.
-constexpr double kSameDirection = 0.9;
-
-// The largest growth of an extrapolation from one slide to the next: a change of curvature farther
-// on is approached in small steps.
-constexpr double kMostGrowth = 16.0;
-
 // Largest length of the lift off a surface on which a proxy is placed. Planes that meet farther
 // away differ in less than half of the digits of their normals, and rounding decides where they
 // meet.
@@ -342,35 +335,7 @@ void GodObject::advance_to(const Vec3& target) {
 void GodObject::become_slow() {
   if (is_slow_) return;
   is_slow_ = true;
-  last_slide_m_ = 0.0;
-  last_round_.reset();
-  leap_from_ = proxy_;
-  leap_reach_ = 1.0;
-  steps_to_leap_ = kStepsPerLeap;
-}
-
-// The factor by which a slide must be multiplied to end where it and all later slides together
-// would end. It extrapolates to where slides vanish if they continue to shrink along the path as
-// they have since the last one (a secant).
-double GodObject::reach_of(const Vec3& slide) {
-  const Vec3 from = proxy_ - slide;
-  const Vec3 path = from - std::exchange(last_slide_from_, from);
-  const double last_m = std::exchange(last_slide_m_, slide.norm());
-  const double path_m = path.norm();
-  if (last_m == 0.0 || slide.dot(path) < kSameDirection * last_slide_m_ * path_m) {
-    overreach_ = 1.0;
-    return overreach_;
-  }
-  const double shrinks_m = last_m - last_slide_m_;
-  if (shrinks_m > 0.0) {
-    overreach_ = std::min(path_m / shrinks_m, kMostGrowth * overreach_);
-  } else {
-    // The proxy leaves a maximum of the lag. The least reach makes the gain larger than the amount
-    // by which its distance to a face may differ before and after.
-    const double least_m = scale().stand_off_m * (proxy_ - goal_).norm() / last_slide_m_;
-    overreach_ = std::max(kFasterEachTime * overreach_, least_m / last_slide_m_);
-  }
-  return overreach_;
+  extrapolation_.begin(proxy_);
 }
 
 GodObject::ProxyPlace GodObject::place_now() const {

@@ -19,6 +19,7 @@
 #include "haptics/proxy/proxy_rest.h"
 #include "haptics/proxy/proxy_state.h"
 #include "haptics/proxy/segment_tracer.h"
+#include "haptics/proxy/slide_extrapolation.h"
 
 namespace palpate {
 
@@ -308,7 +309,6 @@ class GodObject {
   void go_on_over_next_face(const Friction& friction);
   template <typename Friction>
   int overreach(Progress progress, int most_steps, Friction& friction);
-  double reach_of(const Vec3& slide);
   template <typename Friction>
   int leap(int most_steps, Friction& friction);
   struct Attempt {
@@ -332,10 +332,15 @@ class GodObject {
   // Attempts to improve the position of a proxy at rest (god_object_escapes.h, god_object_lines.h).
   struct Faces;
   struct Surroundings;
+  enum class Escape : std::uint8_t {
+    kNone,            // no attempt has improved the position
+    kLeft,            // the proxy has moved nearer to the goal
+    kRoundingDecides  // none has, and rounding decides whether an improving segment exists
+  };
   template <typename Friction>
-  bool leaves_edges(Progress progress, Friction& friction);
+  Escape leaves_edges(Progress progress, Friction& friction);
   template <typename Friction>
-  bool leaves_wedge(Friction& friction);
+  Escape leaves_wedge(Friction& friction);
   template <typename Friction>
   bool slides_without_edges(const Faces& holding, Friction& friction);
   template <typename Friction>
@@ -345,7 +350,7 @@ class GodObject {
   template <typename Friction>
   bool slides_past(Friction& friction);
   template <typename Friction>
-  bool slides_between(Friction& friction);
+  Escape slides_between(Friction& friction);
   template <typename Friction>
   bool follows(const Vec3& step, std::span<const FaceContact> contacts, Friction& friction);
   template <typename Friction>
@@ -464,18 +469,10 @@ class GodObject {
   std::unique_ptr<Surroundings> around_;  // faces around the proxy, from the last look_around()
 
   // State of the present tick.
-  double most_lag_m_ = 0.0;    // largest distance to the goal allowed on a sphere's path
-  bool is_slow_ = false;       // this tick took more than kPatience steps or continues another
-  bool goal_waits_ = false;    // the last tick had the same goal and did not reach it at once
-  double last_slide_m_ = 0.0;  // length of the last complete slide along planes
-  Vec3 last_slide_from_ = Vec3::Zero();    // start of that slide
-  double overreach_ = 1.0;                 // factor by which the last slide was extended
-  Vec3 leap_from_ = Vec3::Zero();          // start of the path that the next leap extrapolates
-  double leap_reach_ = 1.0;                // length of the next leap, relative to that path
-  int steps_to_leap_ = 0;                  // steps left until the next leap
-  std::optional<FaceContact> last_round_;  // feature that a sphere moved round last
-
-  bool rounding_decides_ = false;  // rounding decides whether an improving segment exists
+  double most_lag_m_ = 0.0;  // largest distance to the goal allowed on a sphere's path
+  bool is_slow_ = false;     // this tick took more than kPatience steps or continues another
+  bool goal_waits_ = false;  // the last tick had the same goal and did not reach it at once
+  SlideExtrapolation extrapolation_;  // of a slow sphere
 
   ProxyRest rest_;  // what the last tick left
 

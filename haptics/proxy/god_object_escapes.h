@@ -132,7 +132,7 @@ GodObject::Progress GodObject::rests_or_slides_on_faces(Friction& friction) {
   return Progress::kStuck;
 }
 
-// Tries to improve the position of a proxy that planes hold. Returns true if an attempt succeeded.
+// Tries to improve the position of a proxy that planes hold.
 //
 // A point beside a triangle is held by the plane, an edge or a vertex of the triangle. If an
 // adjacent triangle continues the surface and lies under the point, the contact with the first
@@ -141,59 +141,62 @@ GodObject::Progress GodObject::rests_or_slides_on_faces(Friction& friction) {
 // can leave a gap. There the solver tries slides along all near faces, along each face and along
 // each pair of faces, and then past the obstacle that such a slide meets. Last, it tries to pass
 // the edges and corners that the point does not touch. If two nearly parallel faces are closer to
-// each other than the proxy may come to either, rounding decides whether an attempt succeeds
-// (rounding_decides_). A stuck point can be nearer to its own face than it may come to the next
+// each other than the proxy may come to either, rounding decides whether an attempt succeeds. A
+// stuck point can be nearer to its own face than it may come to the next
 // face; the edge of the next face then blocks it.
 template <typename Friction>
-[[gnu::cold]] bool GodObject::leaves_edges(Progress progress, Friction& friction) {
-  rounding_decides_ = false;
+[[gnu::cold]] GodObject::Escape GodObject::leaves_edges(Progress progress, Friction& friction) {
   if constexpr (Friction::kHolds) {
-    if (slides_up_to_untouched_face(friction)) return true;
+    if (slides_up_to_untouched_face(friction)) return Escape::kLeft;
   }
   if (tracer_.radius_m() > 0.0) return leaves_wedge(friction);
   const Faces holding = holding_faces();
-  if (!Friction::kHolds && is_held_by(friction, holding.all())) return false;
+  if (!Friction::kHolds && is_held_by(friction, holding.all())) return Escape::kNone;
   const bool is_stuck = progress == Progress::kStuck;
   const bool is_beside =
       is_stuck || std::any_of(holding.all().begin(), holding.all().end(), is_beside_face);
-  if (!is_beside && holding.count < 2) return false;
+  if (!is_beside && holding.count < 2) return Escape::kNone;
   const ProxyPlace here = place_now();
   look_around();
   if constexpr (Friction::kHolds) {
     if (!tracer_.is_cut_short()) {
       const Progress on_faces = rests_or_slides_on_faces(friction);
-      if (on_faces != Progress::kStuck) return on_faces == Progress::kMoved;
+      if (on_faces == Progress::kMoved) return Escape::kLeft;
+      if (on_faces == Progress::kHeld) return Escape::kNone;
     }
   }
   if (tracer_.is_cut_short() || (!Friction::kHolds && is_held_by_faces(friction))) {
     return_to(here);
-    return false;
+    return Escape::kNone;
   }
   const bool is_vertex = is_at_vertex(holding.all());
-  if (is_beside && slides_without_edges(holding, friction)) return true;
-  if (slides_past(friction) || slides_between(friction)) return true;
-  if ((is_beside || is_vertex) && slides_at_vertex(friction)) return true;
+  if (is_beside && slides_without_edges(holding, friction)) return Escape::kLeft;
+  if (slides_past(friction)) return Escape::kLeft;
+  const Escape between = slides_between(friction);
+  if (between == Escape::kLeft) return between;
+  if ((is_beside || is_vertex) && slides_at_vertex(friction)) return Escape::kLeft;
   if constexpr (!Friction::kHolds) {
-    if ((is_beside || is_vertex) && goes_past_obstacles(friction)) return true;
-    if (is_vertex && goes_along_lines(friction)) return true;
-    if (goes_past_edges(friction)) return true;
+    if ((is_beside || is_vertex) && goes_past_obstacles(friction)) return Escape::kLeft;
+    if (is_vertex && goes_along_lines(friction)) return Escape::kLeft;
+    if (goes_past_edges(friction)) return Escape::kLeft;
   }
   return_to(here);
-  return false;
+  return between;
 }
 
 // Tries to free a sphere that friction wedges between several faces, by sliding along one or two of
 // them.
 template <typename Friction>
-bool GodObject::leaves_wedge(Friction& friction) {
+GodObject::Escape GodObject::leaves_wedge(Friction& friction) {
+  Escape between = Escape::kNone;
   if constexpr (Friction::kHolds) {
-    if (projection_.active_count < 2) return false;
+    if (projection_.active_count < 2) return between;
     const ProxyPlace here = place_now();
     look_around();
-    if (!tracer_.is_cut_short() && slides_between(friction)) return true;
-    return_to(here);
+    if (!tracer_.is_cut_short()) between = slides_between(friction);
+    if (between != Escape::kLeft) return_to(here);
   }
-  return false;
+  return between;
 }
 
 // A contact beside a face is a contact with an edge or vertex of the face. Tries three kinds of
@@ -285,18 +288,19 @@ bool GodObject::slides_past(Friction& friction) {
 // approach no other touched face. The proxy may be held by two other faces, between which friction
 // wedges it.
 template <typename Friction>
-bool GodObject::slides_between(Friction& friction) {
+GodObject::Escape GodObject::slides_between(Friction& friction) {
   const auto all_touched = around_->all_touched();
   const auto touched = all_touched.first(std::min(all_touched.size(), kMostCrossing));
   tracer_.count(Work::kPlane, touched.size() * touched.size() / 2);
   const Vec3 lag = goal_ - proxy_;
+  Escape blocked = Escape::kNone;
   const auto leads_on = [&](const Vec3& step, std::span<const FaceContact> along) {
     if (tracer_.is_cut_short()) return false;
     if (!may_gain_by(friction, step) || !falls_to_none(step, all_touched)) return false;
     if (follows(step, along, friction)) return true;
     const Vec3 shortened = projection_.displacement_m;  // the step, shortened by friction
     if (may_gain_by(friction, shortened) && is_stopped_by_rounding(shortened)) {
-      rounding_decides_ = true;
+      blocked = Escape::kRoundingDecides;
     }
     return false;
   };
@@ -304,18 +308,18 @@ bool GodObject::slides_between(Friction& friction) {
     const std::optional<Vec3> n = in_motion_plane(touched[i].normal);
     if (!n) continue;
     const FaceContact alone[] = {touched[i]};
-    if (leads_on(friction.within(lag, *n), alone)) return true;
+    if (leads_on(friction.within(lag, *n), alone)) return Escape::kLeft;
     if (touched[i].feature == TriangleFeature::kEdge && !motion_plane_) {
       const Vec3 edge = tracer_.edge_direction(touched[i]);
-      if (leads_on(friction.along(lag, edge), alone)) return true;
+      if (leads_on(friction.along(lag, edge), alone)) return Escape::kLeft;
     }
     for (std::size_t j = 0; j < i && !motion_plane_; ++j) {
       const FaceContact pair[] = {touched[i], touched[j]};
       const Vec3 line = crossing_line(*n, touched[j].normal);
-      if (leads_on(friction.along(lag, line), pair)) return true;
+      if (leads_on(friction.along(lag, line), pair)) return Escape::kLeft;
     }
   }
-  return false;
+  return blocked;
 }
 
 // Tries the given step instead of the step that the planes of these contacts would give. During the

@@ -306,7 +306,7 @@ bool GodObject::stays_at_rest(Friction& friction) {
   projection_ = project(friction, planes());
   if (!projection_.solved || !hold_by(friction)) return false;
   if (!projection_.displacement_m.isZero(0.0)) return false;
-  if (leaves_edges(Progress::kHeld, friction) || rounding_decides_) return false;
+  if (leaves_edges(Progress::kHeld, friction) != Escape::kNone) return false;
   if (tracer_.is_cut_short()) return false;  // not all attempts have been made
   rest_.settle(goal_waits_);
   keep_contacts_for_next_tick(false);

@@ -197,8 +197,7 @@ bool GodObject::roll_between_last_two() {
   if (projection_.active_count == 0 || motion_plane_) return false;
   const FaceContact now = contacts_[projection_.active[0]];
   if (now.feature == TriangleFeature::kFace) return false;
-  const std::optional<FaceContact> last = last_round_;
-  last_round_ = now;
+  const std::optional<FaceContact> last = extrapolation_.go_round(now);
   if (projection_.active_count == 2) return roll_between(contacts_[projection_.active[1]], now);
   return projection_.active_count == 1 && last && roll_between(*last, now);
 }

@@ -97,17 +97,8 @@ constexpr int kPatience = 8;
 // the goal than it was at the end of the slide.
 constexpr int kStepsToFall = 5;
 
-// Number of steps from one leap of a slow sphere to the next.
-constexpr int kStepsPerLeap = 8;
-
 // Number of times that a settled sphere computes its contact normals again under friction.
 constexpr int kMostLooks = 3;
-
-// Growth of an extrapolation after each success.
-constexpr double kFasterEachTime = 4.0;
-
-// Length of the first extrapolation after a failure, relative to the length that failed.
-constexpr double kLessAfterFailure = 1.0 / 64;
 
 // Largest increase of the distance to the goal on a sphere's path, relative to the radius.
 constexpr double kDetourPerRadius = 0.008;
@@ -149,7 +140,6 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
   }
   if (keeps_planes && !repeats) finish_last_step(friction);
   bool capped = true;
-  rounding_decides_ = false;
   int iteration = 0;
   Vec3 from = proxy_;  // position at the start of the present step
   [[maybe_unused]] int looks_again = 0;
@@ -176,16 +166,16 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
         continue;
       }
     }
+    bool rounding_decides = false;
     if (!is_settled && progress != Progress::kMoved && planes_are_current_) {
-      if (leaves_edges(progress, friction)) {
-        rounding_decides_ = false;
-        continue;
-      }
+      const Escape escape = leaves_edges(progress, friction);
+      if (escape == Escape::kLeft) continue;
       if (tracer_.is_cut_short()) break;
-      is_settled = progress == Progress::kHeld && !rounding_decides_;
+      rounding_decides = escape == Escape::kRoundingDecides;
+      is_settled = progress == Progress::kHeld && !rounding_decides;
     }
     capped = !is_settled;
-    const bool is_stuck = progress == Progress::kStuck || rounding_decides_;
+    const bool is_stuck = progress == Progress::kStuck || rounding_decides;
     if (is_settled || (is_stuck && planes_are_current_)) break;
     const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
     if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) continue;
@@ -344,27 +334,25 @@ template <typename Friction>
                          ? projection_.displacement_m
                          : Vec3(Vec3::Zero());
   if (slide.isZero(0.0)) return 0;
-  const double reach = reach_of(slide);
+  // At a maximum of the lag, the least reach makes the gain larger than the amount by which the
+  // distance to a face may differ before and after.
+  const double least_m2 = scale().stand_off_m * (proxy_ - goal_).norm();
+  const double reach = extrapolation_.reach_of(slide, proxy_, least_m2);
   if (reach <= 1.0) return 0;
   const Attempt attempt = fall_from_beyond((reach - 1.0) * slide, most_steps, friction);
-  if (!attempt.is_nearer) {
-    overreach_ = std::max(1.0, kLessAfterFailure * attempt.beyond_m / slide.norm());
-  }
+  if (!attempt.is_nearer) extrapolation_.fail(attempt.beyond_m, slide.norm());
   return attempt.steps;
 }
 
 // Every few steps, extends the path of these steps by a straight segment in its mean direction. A
-// single slide predicts that direction poorly if the proxy moves to and fro between features. Each
-// success multiplies the length of the next leap. Returns the number of steps taken.
+// single slide predicts that direction poorly if the proxy moves to and fro between features.
+// Returns the number of steps taken.
 template <typename Friction>
 [[gnu::cold]] int GodObject::leap(int most_steps, Friction& friction) {
-  if (steps_to_leap_ > 0 && --steps_to_leap_ > 0) return 0;
-  const Vec3 displacement = leap_reach_ * (proxy_ - leap_from_);
+  if (!extrapolation_.is_leap_due()) return 0;
+  const Vec3 displacement = extrapolation_.leap_from(proxy_);
   const Attempt attempt = fall_from_beyond(displacement, most_steps, friction);
-  if (attempt.steps == 0) return 0;
-  leap_reach_ = attempt.is_nearer ? kFasterEachTime * leap_reach_ : 1.0;
-  leap_from_ = proxy_;
-  steps_to_leap_ = kStepsPerLeap;
+  if (attempt.steps > 0) extrapolation_.end_leap(proxy_, attempt.is_nearer);
   return attempt.steps;
 }
 
