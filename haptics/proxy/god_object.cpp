@@ -25,11 +25,6 @@ constexpr double kMostLiftPerStandOff = 0x1p26;  // about the inverse root of do
 // one step, and one more if it improves a rest.
 constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
 
-// Two contacts with the same face have the same plane if a cosine cannot distinguish their normals;
-// contacts with different faces, if their normals differ by rounding only.
-constexpr double kSameNormal = 0x1p-25;
-constexpr double kSameNormalOfOther = 32 * kUnitRoundoff;
-
 }  // namespace
 
 GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& settings)
@@ -112,8 +107,8 @@ void GodObject::set_motion_plane(const std::optional<Vec3>& normal) {
 ProxyState GodObject::move_freely() {
   const Vec3 step = goal_ - proxy_;
   commit(goal_);
-  plane_count_ = 0;
-  projection_ = {};
+  step_.clear_planes();
+  step_.clear_solution();
   rest_.move_freely();
   tracer_.look_ahead(proxy_, step, true);
   ProxyState state;
@@ -124,9 +119,7 @@ ProxyState GodObject::move_freely() {
 }
 
 void GodObject::seed_from_last_tick() {
-  plane_count_ = 0;
-  projection_ = {};
-  planes_are_current_ = is_over_next_ = false;
+  step_.clear();
   for (const FaceContact& last : std::as_const(rest_).known()) {
     // A point that ended the last tick at a minimum is still over its face.
     if (rest_.is_settled() && tracer_.radius_m() == 0.0 && last.feature == TriangleFeature::kFace) {
@@ -135,19 +128,18 @@ void GodObject::seed_from_last_tick() {
       add_if_touched(last);
     }
   }
-  planes_are_current_ = true;
+  step_.set_current();
 }
 
 // Adds the contact plane of a face that the proxy has met, if the proxy touches the face now. The
 // edge of a face holds a point only directly after it stopped the point: see leaves_edges().
 void GodObject::add_if_touched(const FaceContact& met) {
-  const double near_m = kNearPerStandOff * scale().stand_off_m;
   const bool is_point = tracer_.radius_m() == 0.0;
-  if (is_point && tracer_.is_far_beside_face(met.face, proxy_, near_m)) return;
+  if (is_point && tracer_.is_far_beside_face(met.face, proxy_, near_m())) return;
   const FaceContact now = tracer_.contact_at(met.face, proxy_, met.normal);
-  if (now.clearance_m > near_m) return;
+  if (now.clearance_m > near_m()) return;
   // The contact may be with the plane of the face although the proxy is slightly beside the face.
-  const bool is_over = (now.normal - met.normal).norm() <= kSameNormal;
+  const bool is_over = (now.normal - met.normal).norm() <= ProxyStep::kSameNormal;
   if (!is_point || now.feature == TriangleFeature::kFace || is_over) add_plane(now);
 }
 
@@ -157,14 +149,13 @@ void GodObject::add_if_touched(const FaceContact& met) {
 // face than the proxy is now, and a segment that the plane forbids does. A proxy that these planes
 // hold is therefore at a local minimum, whatever other faces are near.
 void GodObject::update_planes() {
-  const int count = plane_count_;
-  plane_count_ = 0;
-  is_over_next_ = false;
-  for (int i = 0; i < count; ++i) {
-    const FaceContact met = contacts_[i];
+  const auto contacts = step_.contacts();
+  step_.clear_planes();
+  for (const FaceContact& contact : contacts) {
+    const FaceContact met = contact;  // its place is taken by the first plane that is kept
     add_if_touched(met);
   }
-  planes_are_current_ = true;
+  step_.set_current();
 }
 
 // The point where a step to a target outside of the world's bounds leaves them; the target, if the
@@ -204,7 +195,7 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
   FaceContact contact = hit->contact;
   const bool is_off_stop = shortened > kMaxShortenings;
   if (tracer_.radius_m() > 0.0) {
-    planes_are_current_ = false;
+    step_.set_earlier();
   } else if (is_off_stop || contact.feature != TriangleFeature::kFace) {
     contact = tracer_.contact_at(contact.face, proxy_, contact.normal);
   }
@@ -217,35 +208,12 @@ std::optional<GodObject::Progress> GodObject::stop_at_first_hit(const Vec3& targ
   return is_new || moved ? Progress::kStopped : Progress::kStuck;
 }
 
-// Whether the proxy touches none of the active planes. Friction acts only at touched planes.
-bool GodObject::is_off_planes() const {
-  const double near_m = kNearPerStandOff * scale().stand_off_m;
-  for (int i = 0; i < projection_.active_count; ++i) {
-    if (planes_of_contact_[projection_.active[i]].offset_m >= -near_m) return false;
-  }
-  return projection_.active_count > 0;
-}
-
-// Whether the proxy touches each of the faces that hold it.
-bool GodObject::touches_planes() const {
-  for (int i = 0; i < projection_.active_count; ++i) {
-    if (contacts_[projection_.active[i]].clearance_m > scale().stand_off_m) return false;
-  }
-  return true;
-}
-
 // The part of the segment to the goal that ends at the first active plane, within the plane of
 // motion.
 Vec3 GodObject::step_to_planes() const {
   Vec3 lag = goal_ - proxy_;
   if (motion_plane_) lag = motion_plane_->part_of(lag);
-  double part = 1.0;
-  for (int i = 0; i < projection_.active_count; ++i) {
-    const ContactPlane& plane = planes_of_contact_[projection_.active[i]];
-    const double approach_m = plane.normal.dot(lag);
-    if (approach_m < 0.0) part = std::min(part, plane.offset_m / approach_m);
-  }
-  return part * lag;
+  return step_.part_to_planes(lag) * lag;
 }
 
 // Moves a proxy that is outside of the world's bounds straight to the bounds. False if the segment
@@ -255,26 +223,15 @@ bool GodObject::enter_bounds() {
   const Vec3 step = goal_ - proxy_;
   double enter = 0.0;
   double leave = 1.0;
-  projection_ = {};
-  projection_.solved = true;
+  PlaneProjection none;
+  none.solved = true;
+  step_.solve(none);
   if (!bounds_.clip(proxy_, step, enter, leave)) {
     commit(goal_);
     return false;
   }
   commit(proxy_ + enter * step);
   return true;
-}
-
-// Whether a plane is already present, from the same face or from another one; faces that share a
-// touched edge or vertex, or lie in one plane, have the same contact plane.
-bool GodObject::is_known(const FaceContact& contact, const ContactPlane& plane, int& known) const {
-  for (known = 0; known < plane_count_; ++known) {
-    const double difference = (planes_of_contact_[known].normal - plane.normal).squaredNorm();
-    const bool is_same_face = contacts_[known].face == contact.face;
-    const double same = is_same_face ? kSameNormal : kSameNormalOfOther;
-    if (difference <= same * same) return true;
-  }
-  return false;
 }
 
 // Adds the contact plane of a contact. False if the planes are unchanged.
@@ -287,31 +244,7 @@ bool GodObject::add_plane(const FaceContact& contact) {
     plane = *in_plane;
   }
   plane.offset_m = std::min(0.0, plane.offset_m);
-  int known = 0;
-  if (is_known(contact, plane, known)) {
-    ContactPlane& there = planes_of_contact_[known];
-    const ContactPlane before = there;
-    if (contacts_[known].face == contact.face || plane.offset_m > there.offset_m) {
-      there = plane;
-      contacts_[known] = contact;
-    }
-    return there.normal != before.normal || there.offset_m != before.offset_m;
-  }
-  if (plane_count_ == kMaxContactPlanes) drop_inactive_planes();
-  planes_of_contact_[plane_count_] = plane;
-  contacts_[plane_count_] = contact;
-  ++plane_count_;
-  return true;
-}
-
-void GodObject::drop_inactive_planes() {
-  const auto active = projection_.active;  // in ascending order, so moving down is safe
-  for (int i = 0; i < projection_.active_count; ++i) {
-    planes_of_contact_[i] = planes_of_contact_[active[i]];
-    contacts_[i] = contacts_[active[i]];
-    projection_.active[i] = i;
-  }
-  plane_count_ = projection_.active_count;
+  return step_.add(contact, plane);
 }
 
 void GodObject::commit(const Vec3& proxy) {
@@ -323,11 +256,7 @@ void GodObject::commit(const Vec3& proxy) {
 void GodObject::advance_to(const Vec3& target) {
   const Vec3 displacement = target - proxy_;
   commit(target);
-  planes_are_current_ = is_over_next_ = false;
-  for (int i = 0; i < plane_count_; ++i) {
-    ContactPlane& plane = planes_of_contact_[i];
-    plane.offset_m = std::min(0.0, plane.offset_m - plane.normal.dot(displacement));
-  }
+  step_.advance(displacement);
 }
 
 // Marks the tick as slow and resets the extrapolation. A tick that continues the last one keeps its
@@ -339,18 +268,13 @@ void GodObject::become_slow() {
 }
 
 GodObject::ProxyPlace GodObject::place_now() const {
-  return {proxy_,       path_.size(), planes_of_contact_, contacts_,
-          plane_count_, projection_,  planes_are_current_};
+  return {proxy_, path_.size(), step_};
 }
 
 void GodObject::return_to(const ProxyPlace& place) {
   proxy_ = place.proxy;
   path_.resize(place.corners);
-  planes_of_contact_ = place.planes;
-  contacts_ = place.contacts;
-  plane_count_ = place.plane_count;
-  projection_ = place.projection;
-  planes_are_current_ = place.planes_are_current;
+  step_.return_to(place.step);
 }
 
 // The unit component of a direction in the plane of motion, or the direction itself without such a
@@ -380,9 +304,9 @@ bool GodObject::is_above(const FaceContact& contact) const {
 // three active planes, one can hold the proxy beyond the end of its face. No test of a single face
 // detects this, so the planes must be found again at the present position.
 bool GodObject::settled() const {
-  if (projection_.active_count > 1) return false;
-  for (int i = 0; i < projection_.active_count; ++i) {
-    const FaceContact& contact = contacts_[projection_.active[i]];
+  if (step_.active_count() > 1) return false;
+  for (int i = 0; i < step_.active_count(); ++i) {
+    const FaceContact& contact = step_.active_contact(i);
     if (!tracer_.is_over(contact, proxy_)) return false;
     if (motion_plane_ && is_above(contact)) return false;
     if (tracer_.radius_m() > 0.0 &&
@@ -402,20 +326,20 @@ ProxyState GodObject::report(int iterations, bool capped) const {
   const Vec3 lag = proxy_ - goal_;
   state.in_contact = lag.norm() > step_tolerance_m_;
   if (!state.in_contact) return state;
-  state.active_planes = projection_.active_count;
+  state.active_planes = step_.active_count();
   state.slid = path_.size() > 1;
-  if (projection_.active_count == 2) {
+  if (step_.active_count() == 2) {
     state.free_direction = crossing_line(plane_normal(0), plane_normal(1));
   }
-  for (int i = 0; i < projection_.active_count; ++i) {
-    state.normal += planes_of_contact_[projection_.active[i]].normal;
+  for (int i = 0; i < step_.active_count(); ++i) {
+    state.normal += step_.active_plane(i).normal;
   }
-  if (projection_.active_count == 1) return state;
-  if (projection_.active_count == 0) state.normal = lag;  // capped before it reached a plane
+  if (step_.active_count() == 1) return state;
+  if (step_.active_count() == 0) state.normal = lag;  // capped before it reached a plane
   // The rounding of a sum that nearly cancels may lead out of the plane. The sum with 0 gives a
   // zero component its positive sign.
   if (motion_plane_) state.normal = motion_plane_->part_of(state.normal) + Vec3(Vec3::Zero());
-  if (projection_.active_count == 0) {
+  if (step_.active_count() == 0) {
     state.normal.normalize();
   } else if (state.normal.norm() <= kCancelledNormal) {
     state.normal.setZero();

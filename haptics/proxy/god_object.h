@@ -18,6 +18,7 @@
 #include "haptics/proxy/plane_projection.h"
 #include "haptics/proxy/proxy_rest.h"
 #include "haptics/proxy/proxy_state.h"
+#include "haptics/proxy/proxy_step.h"
 #include "haptics/proxy/segment_tracer.h"
 #include "haptics/proxy/slide_extrapolation.h"
 
@@ -205,11 +206,9 @@ class GodObject {
   std::span<const FaceContact> contacts() const { return rest_.holding(); }
   // The unit normal of the contact plane of the i-th contact; under a plane of motion it lies in
   // that plane. Valid until the next move.
-  const Vec3& plane_normal(std::size_t i) const {
-    return planes_of_contact_[static_cast<std::size_t>(projection_.active[i])].normal;
-  }
+  const Vec3& plane_normal(std::size_t i) const { return step_.active_plane(i).normal; }
   ContactView contact() const {
-    return {*world_, contacts(), planes_of_contact_, projection_.active};
+    return {*world_, contacts(), step_.all_planes(), step_.solution().active};
   }
   // The corners of the path of the last move, from the proxy's old position to its new one. Valid
   // until the next call.
@@ -271,10 +270,14 @@ class GodObject {
   template <typename Friction>
   Progress take_step(Friction& friction);
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
-  bool is_off_planes() const;
-  bool touches_planes() const;
+  // Whether the proxy touches none of the active planes. Friction acts only at touched planes.
+  bool is_off_planes() const { return step_.is_off_planes(near_m()); }
   Vec3 step_to_planes() const;
   bool roll_to_answer();
+  // Distance, in stand-offs, within which a face is kept, since it may soon hold the proxy again.
+  // Faces farther away are dropped.
+  static constexpr double kNearPerStandOff = 2.0;
+  double near_m() const { return kNearPerStandOff * scale().stand_off_m; }
   // The gain below which a segment, a step of a slow proxy or a turn of a sphere counts as no
   // progress: a tenth of the gain of an improving segment (class comment).
   static constexpr double kLittlePerStandOff = 10.0;
@@ -429,16 +432,13 @@ class GodObject {
     return bounds_.contains(target) ? target : leave_bounds(target);
   }
   Vec3 leave_bounds(const Vec3& target) const;
-  bool is_known(const FaceContact& contact, const ContactPlane& plane, int& known) const;
   bool add_plane(const FaceContact& contact);
-  void drop_inactive_planes();
   void advance_to(const Vec3& target);
   void commit(const Vec3& proxy);
   bool is_above(const FaceContact& contact) const;
   bool settled() const;
   void keep_contacts_for_next_tick(bool capped) {
-    const auto met = std::span(contacts_).first(static_cast<std::size_t>(plane_count_));
-    rest_.keep_contacts(met, projection_, capped);
+    rest_.keep_contacts(step_.contacts(), step_.solution(), capped);
   }
   ProxyState report(int iterations, bool capped) const;
 
@@ -453,18 +453,7 @@ class GodObject {
   std::vector<Vec3> path_;                   // reserved for the largest number of corners
   std::optional<MotionPlane> motion_plane_;  // through goal_
 
-  // The contact planes met, and the contacts that they belong to.
-  std::array<ContactPlane, kMaxContactPlanes> planes_of_contact_{};
-  std::array<FaceContact, kMaxContactPlanes> contacts_{};
-  int plane_count_ = 0;
-  PlaneProjection projection_;
-  // Whether every plane was computed at the present position from a face that the proxy touches.
-  bool planes_are_current_ = false;
-  bool is_over_next_ = false;  // the plane belongs to a face that is not touched yet
-
-  std::span<const ContactPlane> planes() const {
-    return std::span(planes_of_contact_).first(static_cast<std::size_t>(plane_count_));
-  }
+  ProxyStep step_;  // the step under way
 
   std::unique_ptr<Surroundings> around_;  // faces around the proxy, from the last look_around()
 

@@ -29,7 +29,7 @@ double GodObject::place_roundoff_m() const {
 
 GodObject::Faces GodObject::holding_faces() const {
   Faces holding;
-  for (int i = 0; i < projection_.active_count; ++i) holding.add(contacts_[projection_.active[i]]);
+  for (int i = 0; i < step_.active_count(); ++i) holding.add(step_.active_contact(i));
   return holding;
 }
 

@@ -46,22 +46,22 @@ struct GodObject::Faces {
 template <typename Friction>
 void GodObject::hold_by_most_violated(const Friction& friction,
                                       std::span<const FaceContact> contacts) {
-  plane_count_ = 0;
-  projection_ = project(friction, {});
+  step_.clear_planes();
+  step_.solve(project(friction, {}));
   for (int left = kMostExchanges; left > 0; --left) {
-    tracer_.count(Work::kPlane, contacts.size() + static_cast<std::size_t>(plane_count_));
+    tracer_.count(Work::kPlane, contacts.size() + step_.planes().size());
     const FaceContact* most = nullptr;
     double by_m = 0.0;
     for (const FaceContact& contact : contacts) {
       const double room_m = std::max(0.0, contact.clearance_m - scale().stop_m);
-      const double violation_m = -room_m - contact.normal.dot(projection_.displacement_m);
+      const double violation_m = -room_m - contact.normal.dot(step_.displacement_m());
       if (violation_m <= by_m) continue;
       by_m = violation_m;
       most = &contact;
     }
     if (!most || !add_plane(*most)) return;
-    projection_ = project(friction, planes());
-    if (!projection_.solved) return;
+    step_.solve(project(friction, step_.planes()));
+    if (!step_.is_solved()) return;
   }
 }
 
@@ -84,7 +84,7 @@ bool GodObject::is_held_by(const Friction& friction, std::span<const FaceContact
 template <typename Friction>
 bool GodObject::is_held_by_faces(const Friction& friction) {
   hold_by_faces(friction);
-  return projection_.solved && !may_gain_by(friction, projection_.displacement_m);
+  return step_.is_solved() && !may_gain_by(friction, step_.displacement_m());
 }
 
 // Determines the planes that hold a point among those of the touched faces that it is over.
@@ -108,15 +108,15 @@ template <typename Friction>
 GodObject::Progress GodObject::rests_or_slides_on_faces(Friction& friction) {
   const Friction before = friction;
   hold_by_faces(friction);
-  if (!projection_.solved || projection_.active_count == 0) return Progress::kStuck;
+  if (!step_.is_solved() || step_.active_count() == 0) return Progress::kStuck;
   const bool holds = hold_by(friction);
   const bool is_above_cone =
-      holds && friction.wants_to_slide && !has_converged(projection_.displacement_m);
-  const bool gains = may_gain_by(friction, projection_.displacement_m);
+      holds && friction.wants_to_slide && !has_converged(step_.displacement_m());
+  const bool gains = may_gain_by(friction, step_.displacement_m());
   friction.end_step(false);
   if (!gains && !is_above_cone) {
-    for (int i = 0; i < projection_.active_count; ++i) {
-      FaceContact& contact = contacts_[projection_.active[i]];
+    for (int i = 0; i < step_.active_count(); ++i) {
+      FaceContact& contact = step_.active_contact(i);
       contact = tracer_.contact_over(contact.face, proxy_, contact.normal);
     }
     return Progress::kHeld;
@@ -190,7 +190,7 @@ template <typename Friction>
 GodObject::Escape GodObject::leaves_wedge(Friction& friction) {
   Escape between = Escape::kNone;
   if constexpr (Friction::kHolds) {
-    if (projection_.active_count < 2) return between;
+    if (step_.active_count() < 2) return between;
     const ProxyPlace here = place_now();
     look_around();
     if (!tracer_.is_cut_short()) between = slides_between(friction);
@@ -232,9 +232,9 @@ template <typename Friction>
 bool GodObject::slides_up_to_untouched_face(Friction& friction) {
   Faces touched;
   std::array<Vec3, 3> normals;  // in the plane of motion, if there is one
-  const auto count = static_cast<std::size_t>(projection_.active_count);
+  const auto count = static_cast<std::size_t>(step_.active_count());
   for (std::size_t i = 0; i < count; ++i) {
-    const FaceContact& contact = contacts_[projection_.active[i]];
+    const FaceContact& contact = step_.active_contact(i);
     if (contact.clearance_m > scale().stand_off_m) continue;
     normals[touched.count] = plane_normal(i);
     touched.add(contact);
@@ -298,7 +298,7 @@ GodObject::Escape GodObject::slides_between(Friction& friction) {
     if (tracer_.is_cut_short()) return false;
     if (!may_gain_by(friction, step) || !falls_to_none(step, all_touched)) return false;
     if (follows(step, along, friction)) return true;
-    const Vec3 shortened = projection_.displacement_m;  // the step, shortened by friction
+    const Vec3 shortened = step_.displacement_m();  // the step, shortened by friction
     if (may_gain_by(friction, shortened) && is_stopped_by_rounding(shortened)) {
       blocked = Escape::kRoundingDecides;
     }
@@ -327,12 +327,12 @@ GodObject::Escape GodObject::slides_between(Friction& friction) {
 template <typename Friction>
 bool GodObject::follows(const Vec3& step, std::span<const FaceContact> contacts,
                         Friction& friction) {
-  plane_count_ = 0;
+  step_.clear_planes();
   for (const FaceContact& contact : contacts) add_plane(contact);
-  projection_ = {step, {0, 1, 2}, plane_count_, true};
+  step_.solve_by_all(step);
   return tries(friction, [&] {
     if constexpr (Friction::kHolds) hold_by(friction);
-    stop_at_first_hit(end_of_step(projection_.displacement_m));
+    stop_at_first_hit(end_of_step(step_.displacement_m()));
   });
 }
 
@@ -348,7 +348,7 @@ bool GodObject::goes_past_obstacles(Friction& friction) {
   Vec3 blocked = Vec3::Zero();
   for (int bend = 0; bend < kMostBends; ++bend) {
     hold_by_most_violated(friction, std::span(walls).first(count));
-    const Vec3 free = projection_.displacement_m;
+    const Vec3 free = step_.displacement_m();
     if (bend > 0 && goes_between(blocked, free, friction)) return true;
     if (!may_gain_by(friction, free)) return false;
     std::optional<TraceHit> hit;
@@ -427,7 +427,7 @@ bool GodObject::lifts_and_slides(std::span<const FaceContact> pair,
   return tries(friction, [&] {
     const std::size_t corners = path_.size();
     commit(lifted);
-    planes_are_current_ = false;
+    step_.set_earlier();
     Faces above;
     for (const FaceContact& face : pair) {
       above.add(tracer_.contact_over(face.face, proxy_, face.normal));
@@ -469,7 +469,7 @@ Vec3 GodObject::first_no_farther(const Friction& friction, const Vec3& than, con
 // Tries a step in which only these contacts hold the proxy.
 template <typename Friction>
 bool GodObject::slides_along(std::span<const FaceContact> contacts, Friction& friction) {
-  plane_count_ = 0;
+  step_.clear_planes();
   for (const FaceContact& contact : contacts) add_plane(contact);
   return tries(friction, [&] { take_step(friction); });
 }

@@ -174,9 +174,9 @@ template <typename Friction>
 void GodObject::find_cone_at(const Vec3& place, const Bearing& bearing, Friction& friction) {
   friction.cone = {};
   friction.shares = bearing.shares[0] + bearing.shares[1] + bearing.shares[2];
-  tracer_.count(Work::kContact, static_cast<std::size_t>(projection_.active_count));
-  for (std::size_t i = 0; i < static_cast<std::size_t>(projection_.active_count); ++i) {
-    const FaceContact& contact = contacts_[projection_.active[i]];
+  tracer_.count(Work::kContact, static_cast<std::size_t>(step_.active_count()));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(step_.active_count()); ++i) {
+    const FaceContact& contact = step_.active_contact(i);
     const FrictionCone cone = friction.source->cones.at(contact, place);
     friction.holds_by[i] = friction.holds_by[i] || cone.holds();
     friction.cone.static_friction += bearing.shares[i] * cone.static_friction;
@@ -188,16 +188,16 @@ void GodObject::find_cone_at(const Vec3& place, const Bearing& bearing, Friction
 template <typename Friction>
 GodObject::Bearing GodObject::find_bearing(Friction& friction) {
   friction.begin_step();
-  const Vec3 lag = proxy_ + projection_.displacement_m - goal_;
+  const Vec3 lag = proxy_ + step_.displacement_m() - goal_;
   Bearing bearing;
-  bearing.lag_m = projection_.displacement_m.norm();
+  bearing.lag_m = step_.displacement_m().norm();
   bearing.depth_m = lag.norm();
-  const auto count = static_cast<std::size_t>(projection_.active_count);
+  const auto count = static_cast<std::size_t>(step_.active_count());
   std::array<Vec3, 3> normals;
   double farthest_body_m = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     normals[i] = plane_normal(i);
-    const ContactBody& body = world_->body(contacts_[projection_.active[i]].face.body);
+    const ContactBody& body = world_->body(step_.active_contact(i).face.body);
     farthest_body_m = std::max(farthest_body_m, body.T_solver_body.translation_m.lpNorm<1>());
   }
   friction.rounding_m = kConeRoundoff * (friction.coordinates_m + farthest_body_m);
@@ -214,7 +214,7 @@ GodObject::Bearing GodObject::find_bearing(Friction& friction) {
 template <typename Friction>
 void GodObject::find_friction_here(Friction& friction) {
   friction.begin_step();
-  if (projection_.active_count > 0) find_bearing(friction);
+  if (step_.active_count() > 0) find_bearing(friction);
   friction.wants_to_slide = false;
 }
 
@@ -223,23 +223,23 @@ void GodObject::find_friction_here(Friction& friction) {
 template <typename Friction>
 bool GodObject::hold_by(Friction& friction) {
   friction.begin_step();
-  if (projection_.active_count == 0) return false;
+  if (step_.active_count() == 0) return false;
   Bearing bearing = find_bearing(friction);
   const bool holds_here = friction.holds();
-  if (holds_here && projection_.displacement_m.isZero(0.0)) {
+  if (holds_here && step_.displacement_m().isZero(0.0)) {
     // A slide may be so short that its gain is lost in the rounding of squared distances. A face
     // whose dynamic coefficient is 0 bears no lag along it, however short.
     constexpr auto kPrecise = Feasibility::kAtStartPrecise;
     const Vec3 lag = goal_ - proxy_;
-    const PlaneProjection precise = motion_plane_
-                                        ? project_within(*motion_plane_, planes(), lag, kPrecise)
-                                        : project_onto_planes(planes(), lag, kPrecise);
+    const PlaneProjection precise =
+        motion_plane_ ? project_within(*motion_plane_, step_.planes(), lag, kPrecise)
+                      : project_onto_planes(step_.planes(), lag, kPrecise);
     if (precise.solved && precise.active_count > 0) {
-      projection_ = precise;
+      step_.solve(precise);
       bearing = find_bearing(friction);
     }
   }
-  Vec3& step = projection_.displacement_m;
+  Vec3& step = step_.displacement_m();
   if (!friction.wants_to_slide) {
     if (holds_here) step.setZero();
     return holds_here;
@@ -266,8 +266,8 @@ bool GodObject::hold_by(Friction& friction) {
 // the cone there. A slide along the tangent plane would need many steps: see roll_to_answer().
 template <typename Friction>
 bool GodObject::roll_to_cone(Friction& friction) {
-  if (projection_.active_count != 1) return false;
-  const FaceContact& held = contacts_[projection_.active[0]];
+  if (step_.active_count() != 1) return false;
+  const FaceContact& held = step_.active_contact(0);
   FaceContact contact = tracer_.contact_at(held.face, proxy_, held.normal);
   if (contact.feature == TriangleFeature::kFace) return false;
   const std::optional<RollArc> arc = arc_round(contact);
@@ -291,9 +291,9 @@ bool GodObject::roll_to_cone(Friction& friction) {
   (void)excess_m(part);  // the contact and the cone at the end of the roll
   if (!rolls_along(*arc, part)) return false;
   contact.clearance_m = scale().stop_m;
-  plane_count_ = 0;
+  step_.clear_planes();
   add_plane(contact);
-  projection_.active[0] = 0;
+  step_.solve_by_first();
   return true;
 }
 
@@ -302,10 +302,10 @@ bool GodObject::roll_to_cone(Friction& friction) {
 template <typename Friction>
 bool GodObject::stays_at_rest(Friction& friction) {
   const bool is_held = rest_.is_settled() && rest_.has_friction();
-  if (!is_held || planes().size() < rest_.holding().size()) return false;
-  projection_ = project(friction, planes());
-  if (!projection_.solved || !hold_by(friction)) return false;
-  if (!projection_.displacement_m.isZero(0.0)) return false;
+  if (!is_held || step_.planes().size() < rest_.holding().size()) return false;
+  step_.solve(project(friction, step_.planes()));
+  if (!step_.is_solved() || !hold_by(friction)) return false;
+  if (!step_.displacement_m().isZero(0.0)) return false;
   if (leaves_edges(Progress::kHeld, friction) != Escape::kNone) return false;
   if (tracer_.is_cut_short()) return false;  // not all attempts have been made
   rest_.settle(goal_waits_);

@@ -114,7 +114,7 @@ bool GodObject::rolls_along(const RollArc& arc, double part) {
   if ((path.back() - goal_).squaredNorm() > (proxy_ - goal_).squaredNorm()) return false;
   if (part_free(path) < 1.0) return false;
   for (const Vec3& corner : path) commit(corner);
-  planes_are_current_ = false;
+  step_.set_earlier();
   return true;
 }
 
@@ -124,9 +124,9 @@ bool GodObject::rolls_along(const RollArc& arc, double part) {
 // feature. False if no feature holds the sphere, if an obstacle blocks the path, or if the gain is
 // too small: if the goal is on the feature, all positions round it are equally near.
 bool GodObject::roll_to_answer() {
-  if (projection_.active_count != 1) return false;
-  if (goal_waits_ && !may_gain_by(NoFriction{}, projection_.displacement_m)) return false;
-  const FaceContact now = contacts_[projection_.active[0]];
+  if (step_.active_count() != 1) return false;
+  if (goal_waits_ && !may_gain_by(NoFriction{}, step_.displacement_m())) return false;
+  const FaceContact now = step_.active_contact(0);
   if (now.feature == TriangleFeature::kFace) return false;
   FaceContact answer = tracer_.contact_at(now.face, goal_, now.normal);
   const auto leaves_plane = [&](const Vec3& normal) {
@@ -136,10 +136,10 @@ bool GodObject::roll_to_answer() {
     return false;
   }
   if (!goes_round(now, answer, tracer_.radius_m() + scale().stop_m)) return false;
-  plane_count_ = 0;
+  step_.clear_planes();
   answer.clearance_m = scale().stop_m;
   add_plane(answer);
-  projection_.active[0] = 0;
+  step_.solve_by_first();
   return true;
 }
 
@@ -194,12 +194,12 @@ double GodObject::part_free(std::span<const Vec3> corners) {
 // Moves a sphere round the two features that it touched last. Otherwise it would move round one and
 // the other in turn, or slide along the line of their planes and leave the features at once.
 bool GodObject::roll_between_last_two() {
-  if (projection_.active_count == 0 || motion_plane_) return false;
-  const FaceContact now = contacts_[projection_.active[0]];
+  if (step_.active_count() == 0 || motion_plane_) return false;
+  const FaceContact now = step_.active_contact(0);
   if (now.feature == TriangleFeature::kFace) return false;
   const std::optional<FaceContact> last = extrapolation_.go_round(now);
-  if (projection_.active_count == 2) return roll_between(contacts_[projection_.active[1]], now);
-  return projection_.active_count == 1 && last && roll_between(*last, now);
+  if (step_.active_count() == 2) return roll_between(step_.active_contact(1), now);
+  return step_.active_count() == 1 && last && roll_between(*last, now);
 }
 
 // Moves a sphere that touches two points. Its centre stays on a circle about the line through the
@@ -219,12 +219,12 @@ bool GodObject::roll_between(const FaceContact& one, const FaceContact& other) {
   };
   FaceContact target = on_circle(goal_);
   if (!goes_round(on_circle(proxy_), target, std::sqrt(radius2))) return false;
-  plane_count_ = 0;
+  step_.clear_planes();
   for (const FaceContact& contact : {one, other}) {
     add_plane(tracer_.contact_at(contact.face, proxy_, contact.normal));
   }
-  planes_are_current_ = true;
-  projection_ = {Vec3::Zero(), {0, 1, 2}, plane_count_, true};
+  step_.set_current();
+  step_.solve_by_all(Vec3::Zero());
   return true;
 }
 

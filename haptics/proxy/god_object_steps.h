@@ -41,11 +41,7 @@ struct NoFriction : EuclideanNorm {
 struct GodObject::ProxyPlace {
   Vec3 proxy;
   std::size_t corners;  // number of corners of the path
-  std::array<ContactPlane, kMaxContactPlanes> planes;
-  std::array<FaceContact, kMaxContactPlanes> contacts;
-  int plane_count;
-  PlaneProjection projection;
-  bool planes_are_current;
+  ProxyStep step;
 };
 
 // The largest number of corners of the path along tangents on which a sphere moves round an edge or
@@ -85,10 +81,6 @@ struct RollArc {
 
 // Unit normals cancel if their sum is not longer than this length, which rounding alone can give.
 constexpr double kCancelledNormal = 16 * std::numeric_limits<double>::epsilon();
-
-// Distance, in stand-offs, within which a face is kept, since it may soon hold the proxy again.
-// Faces farther away are dropped.
-constexpr double kNearPerStandOff = 2.0;
 
 // Number of steps after which a tick counts as slow; overreaching and leaps then begin.
 constexpr int kPatience = 8;
@@ -159,7 +151,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     bool is_settled = progress != Progress::kStuck && settled();
     if constexpr (Friction::kHolds) {
       // The cone of a sphere is that of the normals at its place.
-      const bool is_turned = tracer_.radius_m() > 0.0 && !planes_are_current_;
+      const bool is_turned = tracer_.radius_m() > 0.0 && !step_.is_current();
       if (is_settled && is_turned && friction.holds() && looks_again < kMostLooks) {
         ++looks_again;
         update_planes();
@@ -167,7 +159,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
       }
     }
     bool rounding_decides = false;
-    if (!is_settled && progress != Progress::kMoved && planes_are_current_) {
+    if (!is_settled && progress != Progress::kMoved && step_.is_current()) {
       const Escape escape = leaves_edges(progress, friction);
       if (escape == Escape::kLeft) continue;
       if (tracer_.is_cut_short()) break;
@@ -176,11 +168,11 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
     }
     capped = !is_settled;
     const bool is_stuck = progress == Progress::kStuck || rounding_decides;
-    if (is_settled || (is_stuck && planes_are_current_)) break;
+    if (is_settled || (is_stuck && step_.is_current())) break;
     const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
     if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) continue;
     update_planes();
-    if (progress == Progress::kMoved && plane_count_ == 0) go_on_over_next_face(friction);
+    if (progress == Progress::kMoved && step_.planes().empty()) go_on_over_next_face(friction);
     if constexpr (!Friction::kHolds) {
       if (may_overreach) {
         iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
@@ -205,7 +197,7 @@ ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_p
 // Ends a tick in which the bodies have used the whole budget. The proxy keeps its position.
 template <typename Friction>
 [[gnu::cold]] ProxyState GodObject::stay(Friction& friction) {
-  projection_ = {};
+  step_.clear_solution();
   find_holding_planes(friction);
   keep_contacts_for_next_tick(true);
   if constexpr (Friction::kHolds) return friction.complete(report(0, true));
@@ -239,13 +231,13 @@ template <typename Friction>
 [[gnu::cold]] void GodObject::find_holding_planes(Friction& friction) {
   if constexpr (Friction::kHolds) {
     // The state is that of the faces that the proxy touches now, not that of the last step.
-    projection_ = project(friction, planes());
-    if (!projection_.solved || is_off_planes()) projection_ = {};
+    step_.solve(project(friction, step_.planes()));
+    if (!step_.is_solved() || is_off_planes()) step_.clear_solution();
     find_friction_here(friction);
   } else {
-    if (projection_.active_count > 0) return;
-    projection_ = project(friction, planes());
-    if (!projection_.solved) projection_ = {};
+    if (step_.active_count() > 0) return;
+    step_.solve(project(friction, step_.planes()));
+    if (!step_.is_solved()) step_.clear_solution();
   }
 }
 
@@ -262,22 +254,22 @@ PlaneProjection GodObject::project(const Friction& friction,
 template <typename Friction>
 GodObject::Progress GodObject::take_step(Friction& friction) {
   tracer_.count(Work::kStep, 1);
-  tracer_.count(Work::kPlane, static_cast<std::size_t>(plane_count_));
-  if (plane_count_ == 0 && !enter_bounds()) return Progress::kMoved;
-  projection_ = project(friction, planes());
-  if (!projection_.solved) return Progress::kStuck;
+  tracer_.count(Work::kPlane, step_.planes().size());
+  if (step_.planes().empty() && !enter_bounds()) return Progress::kMoved;
+  step_.solve(project(friction, step_.planes()));
+  if (!step_.is_solved()) return Progress::kStuck;
   const bool is_sphere = tracer_.radius_m() > 0.0;
   bool flies = false;  // to the first plane, without a slide
   if constexpr (Friction::kHolds) {
     // Friction acts only at touched planes. The plane of the next face is an exception, unless that
     // face turns out to have friction where the slide would end.
     const bool is_off = is_off_planes();
-    flies = is_off && !is_over_next_;
+    flies = is_off && !step_.is_over_next_face();
     const bool holds = !flies && hold_by(friction);
     flies = flies || (is_off && holds);
     if (flies) {
       friction.begin_step();
-      projection_.displacement_m = step_to_planes();
+      step_.displacement_m() = step_to_planes();
     } else if (is_sphere && holds) {
       if (friction.wants_to_slide && roll_to_cone(friction)) return Progress::kStopped;
     } else if (is_sphere && roll_to_answer()) {
@@ -288,18 +280,19 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   }
   // A free proxy moves to exactly the goal, however near the goal is. A proxy that planes hold has
   // converged when its step is shorter than the tolerance.
-  const bool is_free = projection_.active_count == 0;
-  Vec3& step = projection_.displacement_m;
+  const bool is_free = step_.active_count() == 0;
+  Vec3& step = step_.displacement_m();
   if (motion_plane_ && !is_free) step = onto_motion_plane(step);
   if (!is_free && has_converged(step)) return Progress::kHeld;
   // A slow proxy may also rest after a small step, but only if it touches the planes: farther away,
   // it could miss an edge directly in front of it.
   // Under friction it slides on, until its lag is on the cone.
-  bool may_rest = is_slow_ && planes_are_current_ && !is_free;
+  bool may_rest = is_slow_ && step_.is_current() && !is_free;
   if constexpr (Friction::kHolds) {
     may_rest = may_rest && !(friction.holds() && friction.wants_to_slide);
   }
-  if (may_rest && is_little(friction, step) && touches_planes()) return Progress::kHeld;
+  if (may_rest && is_little(friction, step) && step_.touches_faces(scale().stand_off_m))
+    return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !bounds_.contains(target);
   if (leaves) target = leave_bounds(target);
@@ -314,14 +307,12 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
 template <typename Friction>
 void GodObject::go_on_over_next_face(const Friction& friction) {
   if (tracer_.radius_m() > 0.0 || motion_plane_ || friction.holds()) return;
-  if (projection_.active_count != 1) return;
-  const FaceRef& left = contacts_[projection_.active[0]].face;
+  if (step_.active_count() != 1) return;
+  const FaceRef& left = step_.active_contact(0).face;
   const auto next = tracer_.contact_over_next(left, proxy_, goal_);
-  const double near_m = kNearPerStandOff * scale().stand_off_m;
-  if (!next || next->clearance_m <= near_m || friction.may_hold_at(*next, proxy_)) return;
+  if (!next || next->clearance_m <= near_m() || friction.may_hold_at(*next, proxy_)) return;
   add_plane(*next);
-  planes_are_current_ = false;
-  is_over_next_ = true;
+  step_.set_over_next_face();
 }
 
 // Extends a slide by the sum of the slides that will follow. If the penetration depth is about as
@@ -330,8 +321,8 @@ void GodObject::go_on_over_next_face(const Friction& friction) {
 // number of steps taken.
 template <typename Friction>
 [[gnu::cold]] int GodObject::overreach(Progress progress, int most_steps, Friction& friction) {
-  const Vec3 slide = progress == Progress::kMoved && projection_.active_count > 0
-                         ? projection_.displacement_m
+  const Vec3 slide = progress == Progress::kMoved && step_.active_count() > 0
+                         ? step_.displacement_m()
                          : Vec3(Vec3::Zero());
   if (slide.isZero(0.0)) return 0;
   // At a maximum of the lag, the least reach makes the gain larger than the amount by which the
@@ -378,8 +369,8 @@ GodObject::Attempt GodObject::fall_from_beyond(const Vec3& displacement, int mos
   if (!bounds_.contains(target)) return {};
   const ProxyPlace before = place_now();
   stop_at_first_hit(target);
-  plane_count_ = 0;
-  planes_are_current_ = true;
+  step_.clear_planes();
+  step_.set_current();
   int steps = 1;
   for (; steps < kStepsToFall; ++steps) {
     const Progress fall = take_step(friction);
