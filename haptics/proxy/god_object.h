@@ -263,12 +263,37 @@ class GodObject {
   template <typename Friction>
   ProxyState move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                   Friction& friction);
+  struct Tick;
+  enum class Verdict : std::uint8_t {
+    kRests,       // the proxy is at rest
+    kEnds,        // the tick is capped: rounding decides, or its work is spent
+    kTriesAgain,  // the position or the planes have changed: another step
+    kGoesOn       // other planes first, then another step
+  };
+  [[gnu::always_inline]] Tick begin_move(const Vec3& goal,
+                                         const std::optional<Vec3>& motion_plane_normal);
+  [[gnu::always_inline]] void begin_step(Tick& tick);
+  template <typename Friction>
+  [[gnu::always_inline]] Verdict judge(Progress progress, Tick& tick, Friction& friction);
+  template <typename Friction>
+  [[gnu::always_inline]] void renew_planes(Progress progress, Tick& tick, Friction& friction);
+  template <typename Friction>
+  [[gnu::always_inline]] void end_move(const Tick& tick, bool capped, Friction& friction);
   template <typename Friction>
   void find_holding_planes(Friction& friction);
   template <typename Friction>
   PlaneProjection project(const Friction& friction, std::span<const ContactPlane> planes) const;
   template <typename Friction>
   Progress take_step(Friction& friction);
+  enum class Way : std::uint8_t {
+    kSlides,  // along the planes, as far as friction permits
+    kFlies,   // to the first plane, without a slide
+    kRolled   // a sphere has moved round a feature
+  };
+  template <typename Friction>
+  [[gnu::always_inline]] Way find_way(Friction& friction);
+  template <typename Friction>
+  [[gnu::always_inline]] bool is_held_at_once(const Friction& friction, const Vec3& step) const;
   std::optional<Progress> stop_at_first_hit(const Vec3& target);
   // Whether the proxy touches none of the active planes. Friction acts only at touched planes.
   bool is_off_planes() const { return step_.is_off_planes(near_m()); }

@@ -108,90 +108,126 @@ inline void GodObject::limit_detours() {
   if (radius_m > 0.0) most_lag_m_ = (proxy_ - goal_).norm() + kDetourPerRadius * radius_m;
 }
 
+// What move() knows of its tick.
+struct GodObject::Tick {
+  WorkUnits work_of_bodies = 0;  // of move_bodies() in this tick
+  bool keeps_planes =
+      false;  // the tick begins with the planes of the last one, which was cut short
+  // The tick repeats the interrupted step from identical input: it makes the same queries, and the
+  // trace log answers them.
+  bool repeats = false;
+  int steps = 0;
+  int looks = 0;             // how often a settled sphere has computed its contact normals again
+  Vec3 from = Vec3::Zero();  // position at the start of the present step
+};
+
 template <typename Friction>
 ProxyState GodObject::move(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal,
                            Friction& friction) {
-  const WorkUnits work_of_bodies = begin_tick();
-  const bool keeps_planes = rest_.is_cut_short() && is_motion_plane(motion_plane_normal);
-  // If the interrupted step is repeated from identical input, it makes the same queries, and the
-  // trace log answers them.
-  const bool repeats = keeps_planes && interrupted_.is_repeated_by(goal, proxy_);
-  if (!repeats) goal_waits_ = rest_.goes_on() && goal == goal_;
-  goal_ = goal;
-  set_motion_plane(motion_plane_normal);
-  path_.clear();
-  path_.push_back(proxy_);
+  Tick tick = begin_move(goal, motion_plane_normal);
   if (rest_.known().empty() && tracer_.is_free(proxy_, goal)) return move_freely();
-  if (!keeps_planes) seed_from_last_tick();
+  if (!tick.keeps_planes) seed_from_last_tick();
   if (tracer_.is_cut_short()) return stay(friction);
-  if (!repeats) is_slow_ = rest_.goes_on();
-  if (repeats) tracer_.repeat_step();
+  if (!tick.repeats) is_slow_ = rest_.goes_on();
+  if (tick.repeats) tracer_.repeat_step();
   if constexpr (Friction::kHolds) {
     limit_detours();
     if (stays_at_rest(friction)) return friction.complete(report(1, false));
   }
-  if (keeps_planes && !repeats) finish_last_step(friction);
-  bool capped = true;
-  int iteration = 0;
-  Vec3 from = proxy_;  // position at the start of the present step
-  [[maybe_unused]] int looks_again = 0;
-  while (iteration < settings_.accuracy.iterations) {
-    ++iteration;
-    if (iteration > kPatience) become_slow();
-    limit_detours();
-    if (!repeats || iteration > 1) tracer_.begin_step();
-    from = proxy_;
+  if (tick.keeps_planes && !tick.repeats) finish_last_step(friction);
+  Verdict verdict = Verdict::kGoesOn;
+  while (tick.steps < settings_.accuracy.iterations) {
+    begin_step(tick);
     const Progress progress = take_step(friction);
-    if constexpr (Friction::kHolds) friction.end_step(proxy_ != from);
+    if constexpr (Friction::kHolds) friction.end_step(proxy_ != tick.from);
     if (progress == Progress::kStopped) continue;
-    if (tracer_.is_cut_short()) break;
-    // A point is at rest if one plane stopped it and the face of that plane is under it. A proxy is
-    // also at rest if the planes that hold it were computed at its present position
-    // (update_planes).
-    bool is_settled = progress != Progress::kStuck && settled();
-    if constexpr (Friction::kHolds) {
-      // The cone of a sphere is that of the normals at its place.
-      const bool is_turned = tracer_.radius_m() > 0.0 && !step_.is_current();
-      if (is_settled && is_turned && friction.holds() && looks_again < kMostLooks) {
-        ++looks_again;
-        update_planes();
-        continue;
-      }
-    }
-    bool rounding_decides = false;
-    if (!is_settled && progress != Progress::kMoved && step_.is_current()) {
-      const Escape escape = leaves_edges(progress, friction);
-      if (escape == Escape::kLeft) continue;
-      if (tracer_.is_cut_short()) break;
-      rounding_decides = escape == Escape::kRoundingDecides;
-      is_settled = progress == Progress::kHeld && !rounding_decides;
-    }
-    capped = !is_settled;
-    const bool is_stuck = progress == Progress::kStuck || rounding_decides;
-    if (is_settled || (is_stuck && step_.is_current())) break;
-    const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
-    if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) continue;
-    update_planes();
-    if (progress == Progress::kMoved && step_.planes().empty()) go_on_over_next_face(friction);
-    if constexpr (!Friction::kHolds) {
-      if (may_overreach) {
-        iteration += overreach(progress, settings_.accuracy.iterations - iteration, friction);
-        iteration += leap(settings_.accuracy.iterations - iteration, friction);
-      }
+    verdict = judge(progress, tick, friction);
+    if (verdict == Verdict::kRests || verdict == Verdict::kEnds) break;
+    if (verdict == Verdict::kGoesOn) renew_planes(progress, tick, friction);
+  }
+  const bool capped = verdict != Verdict::kRests;
+  end_move(tick, capped, friction);
+  if constexpr (Friction::kHolds) return friction.complete(report(tick.steps, capped));
+  return report(tick.steps, capped);
+}
+
+// Begins the move of a tick towards this goal.
+inline GodObject::Tick GodObject::begin_move(const Vec3& goal,
+                                             const std::optional<Vec3>& motion_plane_normal) {
+  Tick tick;
+  tick.work_of_bodies = begin_tick();
+  tick.keeps_planes = rest_.is_cut_short() && is_motion_plane(motion_plane_normal);
+  tick.repeats = tick.keeps_planes && interrupted_.is_repeated_by(goal, proxy_);
+  if (!tick.repeats) goal_waits_ = rest_.goes_on() && goal == goal_;
+  goal_ = goal;
+  set_motion_plane(motion_plane_normal);
+  path_.clear();
+  path_.push_back(proxy_);
+  return tick;
+}
+
+inline void GodObject::begin_step(Tick& tick) {
+  ++tick.steps;
+  if (tick.steps > kPatience) become_slow();
+  limit_detours();
+  if (!tick.repeats || tick.steps > 1) tracer_.begin_step();
+  tick.from = proxy_;
+}
+
+// Judges a step that no new face stopped. A point is at rest if one plane stopped it and the face
+// of that plane is under it. A proxy is also at rest if the planes that hold it were computed at
+// its present position (update_planes) and no attempt improves the position.
+template <typename Friction>
+inline GodObject::Verdict GodObject::judge(Progress progress, Tick& tick, Friction& friction) {
+  if (tracer_.is_cut_short()) return Verdict::kEnds;
+  const bool is_stuck = progress == Progress::kStuck;
+  const bool is_settled = !is_stuck && settled();
+  if constexpr (Friction::kHolds) {
+    // The cone of a sphere is that of the normals at its place.
+    const bool is_turned = tracer_.radius_m() > 0.0 && !step_.is_current();
+    if (is_settled && is_turned && friction.holds() && tick.looks < kMostLooks) {
+      ++tick.looks;
+      update_planes();
+      return Verdict::kTriesAgain;
     }
   }
-  const bool cut_short = tracer_.is_cut_short();
-  if (cut_short) keep_step_for_next_tick(from, work_of_bodies);
+  if (is_settled) return Verdict::kRests;
+  if (!step_.is_current()) return Verdict::kGoesOn;
+  if (progress == Progress::kMoved) return Verdict::kGoesOn;
+  const Escape escape = leaves_edges(progress, friction);
+  if (escape == Escape::kLeft) return Verdict::kTriesAgain;
+  if (is_stuck || tracer_.is_cut_short()) return Verdict::kEnds;
+  return escape == Escape::kRoundingDecides ? Verdict::kEnds : Verdict::kRests;
+}
+
+// Prepares the next step: computes the planes at the present position, and extends the slide of a
+// slow sphere.
+template <typename Friction>
+inline void GodObject::renew_planes(Progress progress, Tick& tick, Friction& friction) {
+  const bool may_overreach = !Friction::kHolds && is_slow_ && tracer_.radius_m() > 0.0;
+  if (may_overreach && progress == Progress::kMoved && roll_between_last_two()) return;
+  update_planes();
+  if (progress == Progress::kMoved && step_.planes().empty()) go_on_over_next_face(friction);
+  if constexpr (!Friction::kHolds) {
+    if (!may_overreach) return;
+    tick.steps += overreach(progress, settings_.accuracy.iterations - tick.steps, friction);
+    tick.steps += leap(settings_.accuracy.iterations - tick.steps, friction);
+  }
+}
+
+// Ends the move: stores for the next tick where the proxy rests or what is to be completed.
+template <typename Friction>
+inline void GodObject::end_move(const Tick& tick, bool capped, Friction& friction) {
+  const bool is_cut_short = tracer_.is_cut_short();
+  if (is_cut_short) keep_step_for_next_tick(tick.from, tick.work_of_bodies);
   if (capped) find_holding_planes(friction);
   keep_contacts_for_next_tick(capped);
-  tracer_.look_ahead(proxy_, proxy_ - path_.front(), iteration == 1);
+  tracer_.look_ahead(proxy_, proxy_ - path_.front(), tick.steps == 1);
   if (capped) {
-    rest_.cap(cut_short);
+    rest_.cap(is_cut_short);
   } else {
     rest_.settle(goal_waits_);
   }
-  if constexpr (Friction::kHolds) return friction.complete(report(iteration, capped));
-  return report(iteration, capped);
 }
 
 // Ends a tick in which the bodies have used the whole budget. The proxy keeps its position.
@@ -251,6 +287,7 @@ PlaneProjection GodObject::project(const Friction& friction,
                        : friction.project(planes, lag);
 }
 
+// Takes one step towards the point nearest to the goal that the planes allow.
 template <typename Friction>
 GodObject::Progress GodObject::take_step(Friction& friction) {
   tracer_.count(Work::kStep, 1);
@@ -258,47 +295,55 @@ GodObject::Progress GodObject::take_step(Friction& friction) {
   if (step_.planes().empty() && !enter_bounds()) return Progress::kMoved;
   step_.solve(project(friction, step_.planes()));
   if (!step_.is_solved()) return Progress::kStuck;
-  const bool is_sphere = tracer_.radius_m() > 0.0;
-  bool flies = false;  // to the first plane, without a slide
-  if constexpr (Friction::kHolds) {
-    // Friction acts only at touched planes. The plane of the next face is an exception, unless that
-    // face turns out to have friction where the slide would end.
-    const bool is_off = is_off_planes();
-    flies = is_off && !step_.is_over_next_face();
-    const bool holds = !flies && hold_by(friction);
-    flies = flies || (is_off && holds);
-    if (flies) {
-      friction.begin_step();
-      step_.displacement_m() = step_to_planes();
-    } else if (is_sphere && holds) {
-      if (friction.wants_to_slide && roll_to_cone(friction)) return Progress::kStopped;
-    } else if (is_sphere && roll_to_answer()) {
-      return Progress::kStopped;
-    }
-  } else {
-    if (is_sphere && roll_to_answer()) return Progress::kStopped;
-  }
-  // A free proxy moves to exactly the goal, however near the goal is. A proxy that planes hold has
-  // converged when its step is shorter than the tolerance.
+  const Way way = find_way(friction);
+  if (way == Way::kRolled) return Progress::kStopped;
+  // A free proxy moves to exactly the goal, however near the goal is.
   const bool is_free = step_.active_count() == 0;
   Vec3& step = step_.displacement_m();
   if (motion_plane_ && !is_free) step = onto_motion_plane(step);
-  if (!is_free && has_converged(step)) return Progress::kHeld;
-  // A slow proxy may also rest after a small step, but only if it touches the planes: farther away,
-  // it could miss an edge directly in front of it.
-  // Under friction it slides on, until its lag is on the cone.
-  bool may_rest = is_slow_ && step_.is_current() && !is_free;
-  if constexpr (Friction::kHolds) {
-    may_rest = may_rest && !(friction.holds() && friction.wants_to_slide);
-  }
-  if (may_rest && is_little(friction, step) && step_.touches_faces(scale().stand_off_m))
-    return Progress::kHeld;
+  if (!is_free && is_held_at_once(friction, step)) return Progress::kHeld;
   Vec3 target = is_free ? goal_ : Vec3(proxy_ + step);
   const bool leaves = !bounds_.contains(target);
   if (leaves) target = leave_bounds(target);
   if (const auto stopped = stop_at_first_hit(target)) return *stopped;
   if (leaves && is_free) commit(goal_);
-  return flies ? Progress::kStopped : Progress::kMoved;
+  return way == Way::kFlies ? Progress::kStopped : Progress::kMoved;
+}
+
+// Decides how a step begins that the planes allow: shortens it by friction, or moves a sphere round
+// the feature that holds it. Friction acts only at touched planes. The plane of the next face is an
+// exception, unless that face turns out to have friction where the slide would end.
+template <typename Friction>
+inline GodObject::Way GodObject::find_way(Friction& friction) {
+  const bool is_sphere = tracer_.radius_m() > 0.0;
+  if constexpr (Friction::kHolds) {
+    const bool is_off = is_off_planes();
+    const bool is_far = is_off && !step_.is_over_next_face();
+    const bool holds = !is_far && hold_by(friction);
+    if (is_far || (is_off && holds)) {
+      friction.begin_step();
+      step_.displacement_m() = step_to_planes();
+      return Way::kFlies;
+    }
+    if (is_sphere && holds) {
+      return friction.wants_to_slide && roll_to_cone(friction) ? Way::kRolled : Way::kSlides;
+    }
+  }
+  return is_sphere && roll_to_answer() ? Way::kRolled : Way::kSlides;
+}
+
+// Whether a proxy that planes hold need not take this step. It has converged when its step is
+// shorter than the tolerance. A slow proxy may also rest after a small step, but only if it touches
+// the planes: farther away, it could miss an edge directly in front of it. Under friction it slides
+// on, until its lag is on the cone.
+template <typename Friction>
+inline bool GodObject::is_held_at_once(const Friction& friction, const Vec3& step) const {
+  if (has_converged(step)) return true;
+  bool may_rest = is_slow_ && step_.is_current();
+  if constexpr (Friction::kHolds) {
+    may_rest = may_rest && !(friction.holds() && friction.wants_to_slide);
+  }
+  return may_rest && is_little(friction, step) && step_.touches_faces(scale().stand_off_m);
 }
 
 // A point that has slid off the face that held it is usually over the next face. This function adds
