@@ -22,7 +22,7 @@ std::string delay_problem(const DeviceDescription& device) {
 }  // namespace
 
 HapticSession::HapticSession(HapticLoop& loop, Device& device, SessionParts parts)
-    : loop_(loop), device_(device), parts_(std::move(parts)) {}
+    : loop_(loop), device_(device), parts_(std::move(parts)), recorder_(parts_.sink) {}
 
 HapticSession::~HapticSession() {
   stop();
@@ -39,7 +39,7 @@ std::optional<std::string> HapticSession::start() {
     return problem;
   }
   governor_.emplace(device, SafetyGovernor::clamp_of(device, parts_.max_force_N));
-  if (parts_.sink) parts_.sink->on_start({device, parts_.max_force_N, parts_.takes_motors});
+  recorder_.start({device, parts_.max_force_N, parts_.takes_motors});
   return std::nullopt;
 }
 
@@ -53,37 +53,17 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   if (!is_running_.load(std::memory_order_relaxed)) return;
   if (is_paused_.load(std::memory_order_relaxed)) [[unlikely]]
     return rest(dt_s);
+  const TickTime time{dt_s, late_ns, now_ns};
   const DeviceSample read = device_.read(dt_s);
-  const DeviceSample& sample = governor_->begin_tick(read, {dt_s, late_ns, now_ns});
-  if (parts_.sink) record_inputs(read);
-  if (wants_rearm_.load(std::memory_order_relaxed)) take_rearm();
-  take_motors();
-  const LoopChanges changes(loop_, parts_.sink);
-  if (has_ticked_ && loop_.accepts(dt_s)) time_s_ += dt_s;
-  has_ticked_ = true;
-  const bool was_free = loop_.is_hand_free();
-  for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, changes);
-  if (was_free && !loop_.is_hand_free()) governor_->restart();
-  if (!sample.is_valid) loop_.refuse_sample();
-  const auto start = std::chrono::steady_clock::now();
-  TickRecord record = loop_.tick(Vec3(sample.position_m.data()), dt_s);
-  const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
-  record.step_ns = last_step_ns_ = step.count();
+  const DeviceSample& sample = governor_->begin_tick(read, time);
+  change_loop(read, dt_s);
+  TickRecord record = run_loop(sample, dt_s);
   record.late_ns = late_ns;
-  const std::uint64_t trips = governor_->status().trips;
-  governor_->govern(record);
+  const bool has_tripped = govern(record);
   command(record);
   last_delay_ns_ = now_ns == 0 ? 0 : monotonic_ns() - now_ns;
-  published_.publish(record);
-  published_status_.publish(governor_->status());
-  const bool has_tripped = governor_->status().trips > trips;
-  if (parts_.sink) record_tick(record, read, dt_s, now_ns);
-  if (parts_.sink && has_tripped) parts_.sink->on_trip(governor_->status().trip);
-  ++session_ticks_;
-  for (TickObserver* observer : parts_.observers) {
-    if (has_tripped) observer->on_trip(governor_->status().trip);
-    observer->on_tick(record);
-  }
+  recorder_.end_tick(record, read, time, session_ticks_++, *governor_, has_tripped);
+  publish(record, has_tripped);
 }
 
 // A tick of a paused session.
@@ -94,13 +74,32 @@ void HapticSession::rest(double dt_s) noexcept {
   last_step_ns_ = 0;
   last_delay_ns_ = 0;
   ++session_ticks_;
-  ++paused_ticks_;
+  recorder_.pause();
+}
+
+// The inputs of a tick, in the order in which they act.
+void HapticSession::change_loop(const DeviceSample& read, double dt_s) noexcept {
+  recorder_.begin_tick(read);
+  if (wants_rearm_.load(std::memory_order_relaxed)) take_rearm();
+  take_motors();
+  if (has_ticked_ && loop_.accepts(dt_s)) time_s_ += dt_s;
+  has_ticked_ = true;
+  const LoopChanges changes(loop_, recorder_.sink());
+  const bool was_free = loop_.is_hand_free();
+  for (BeforeTick* change : parts_.changes) change->before_tick(time_s_, changes);
+  if (was_free && !loop_.is_hand_free()) governor_->restart();
+}
+
+void HapticSession::take_rearm() noexcept {
+  if (!wants_rearm_.exchange(false, std::memory_order_acq_rel)) return;
+  recorder_.rearm();
+  governor_->rearm();
 }
 
 // Takes the motors of a device whose motors turn.
 void HapticSession::take_motors() noexcept {
   const std::span<const MotorDescription> motors = device_.motors_now();
-  if (parts_.sink) record_motors(motors);
+  recorder_.set_motors(motors);
   if (motors.empty()) return;
   governor_->set_motors(motors);
   if (!parts_.takes_motors) return;
@@ -112,53 +111,35 @@ void HapticSession::take_motors() noexcept {
   if (actuation) loop_.set_actuation(*actuation);  // else: the last motors count
 }
 
-// The inputs of the session itself.
-void HapticSession::record_inputs(const DeviceSample& sample) noexcept {
-  if (paused_ticks_ > 0) {
-    parts_.sink->on_input({InputKind::kPause, 0, std::as_bytes(std::span(&paused_ticks_, 1))});
-    paused_ticks_ = 0;
-  }
-  if (sample.asks_for_trip) parts_.sink->on_input({InputKind::kTrip});
+TickRecord HapticSession::run_loop(const DeviceSample& sample, double dt_s) noexcept {
+  if (!sample.is_valid) loop_.refuse_sample();
+  const auto start = std::chrono::steady_clock::now();
+  TickRecord record = loop_.tick(Vec3(sample.position_m.data()), dt_s);
+  const std::chrono::nanoseconds step = std::chrono::steady_clock::now() - start;
+  record.step_ns = last_step_ns_ = step.count();
+  return record;
 }
 
-void HapticSession::take_rearm() noexcept {
-  if (!wants_rearm_.exchange(false, std::memory_order_acq_rel)) return;
-  if (parts_.sink) parts_.sink->on_input({InputKind::kRearm});
-  governor_->rearm();
-}
-
-// Motors that have not changed since the last tick are no input.
-void HapticSession::record_motors(std::span<const MotorDescription> motors) noexcept {
-  static_assert(sizeof(MotorDescription) == 5 * sizeof(double));
-  motors = motors.first(std::min(motors.size(), recorded_motors_.size()));
-  const auto bytes = std::as_bytes(motors);
-  const auto recorded = std::as_bytes(std::span(recorded_motors_).first(recorded_motor_count_));
-  if (std::equal(bytes.begin(), bytes.end(), recorded.begin(), recorded.end())) return;
-  std::copy(motors.begin(), motors.end(), recorded_motors_.begin());
-  recorded_motor_count_ = motors.size();
-  parts_.sink->on_input({InputKind::kMotors, static_cast<std::uint32_t>(motors.size()), bytes});
-}
-
-void HapticSession::record_tick(const TickRecord& record, const DeviceSample& sample, double dt_s,
-                                std::int64_t now_ns) noexcept {
-  TickReading reading;
-  std::copy_n(sample.position_m.begin(), 3, reading.sample_m);
-  reading.sequence = sample.sequence;
-  reading.sample_ns = sample.time_ns;
-  reading.dt_s = dt_s;
-  reading.due_ns = now_ns - record.late_ns;
-  reading.measured_dt_ns = governor_->step_ns();
-  reading.sample_age_ns = governor_->sample_age_ns();
-  reading.session_tick = session_ticks_;
-  reading.buttons = sample.buttons;
-  reading.is_valid = sample.is_valid ? 1 : 0;
-  parts_.sink->on_tick(record, reading);
+// Returns whether the governor has cut the force in this tick.
+bool HapticSession::govern(TickRecord& record) noexcept {
+  const std::uint64_t trips = governor_->status().trips;
+  governor_->govern(record);
+  return governor_->status().trips > trips;
 }
 
 void HapticSession::command(const TickRecord& record) noexcept {
   DeviceCommand command;
   std::copy_n(record.force_device_N, 3, command.force_N.begin());
   device_.command(command);
+}
+
+void HapticSession::publish(const TickRecord& record, bool has_tripped) noexcept {
+  published_.publish(record);
+  published_status_.publish(governor_->status());
+  for (TickObserver* observer : parts_.observers) {
+    if (has_tripped) observer->on_trip(governor_->status().trip);
+    observer->on_tick(record);
+  }
 }
 
 }  // namespace palpate

@@ -3,16 +3,15 @@
 // A haptic session: the sequence of steps in a tick, from reading the device to commanding its
 // force.
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "engine/devices/snapshot_ring.h"
 #include "engine/session/loop_changes.h"
+#include "engine/session/session_recorder.h"
 #include "engine/session/tick_sink.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/safety_governor.h"
@@ -127,22 +126,23 @@ class HapticSession {
   }
   // The last tick ended after the next one was due. Call it on the haptic thread.
   void report_late(LateCause cause, const TickCost& cost) noexcept {
-    if (parts_.sink) parts_.sink->on_late(cause, cost);
+    recorder_.report_late(cause, cost);
   }
 
  private:
   void rest(double dt_s) noexcept;
-  void command(const TickRecord& record) noexcept;
-  void take_motors() noexcept;
+  void change_loop(const DeviceSample& read, double dt_s) noexcept;
   void take_rearm() noexcept;
-  void record_inputs(const DeviceSample& sample) noexcept;
-  void record_motors(std::span<const MotorDescription> motors) noexcept;
-  void record_tick(const TickRecord& record, const DeviceSample& sample, double dt_s,
-                   std::int64_t now_ns) noexcept;
+  void take_motors() noexcept;
+  TickRecord run_loop(const DeviceSample& sample, double dt_s) noexcept;
+  bool govern(TickRecord& record) noexcept;
+  void command(const TickRecord& record) noexcept;
+  void publish(const TickRecord& record, bool has_tripped) noexcept;
 
   HapticLoop& loop_;
   Device& device_;
   SessionParts parts_;
+  SessionRecorder recorder_;
   double time_s_ = 0.0;
   bool has_ticked_ = false;
   std::int64_t last_step_ns_ = 0;
@@ -154,11 +154,6 @@ class HapticSession {
   std::optional<SafetyGovernor> governor_;  // made by start()
   SnapshotRing<TickRecord> published_;
   SnapshotRing<GovernorStatus> published_status_;
-
-  // Of a session with a sink.
-  std::uint64_t paused_ticks_ = 0;  // since the last tick that was not paused
-  std::array<MotorDescription, 3> recorded_motors_{};
-  std::size_t recorded_motor_count_ = 0;
 };
 
 }  // namespace palpate
