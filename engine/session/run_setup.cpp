@@ -167,7 +167,8 @@ std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup) {
   const double extent_m = workspace_extent_m(setup.device);
   if (!(extent_m > 0.0)) {
     return invalid_argument("device.workspace",
-                            "is " + std::to_string(extent_m) + " m; expected more than 0 m");
+                            "is " + std::to_string(extent_m) + " m; expected more than 0 m",
+                            "the description of the device states it, for each axis");
   }
   if (auto error = check_settings(scene.world(), setup.haptics)) return error;
   if (is_time_step(setup.dt_s)) return std::nullopt;

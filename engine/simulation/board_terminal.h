@@ -28,6 +28,7 @@ class BoardTerminal {
   // The board's clock, which is std::chrono::steady_clock.
   static std::int64_t now_ns();
   void add_fault(const BoardFault& fault);
+  // The place to which the simulated hand pulls the tip, in the frame of FiveBar.
   void set_hand(const Vec2& hand_m);
   // Closes the terminal, as if the cable was pulled out.
   void hang_up();

@@ -196,6 +196,7 @@ Columns columns_of_measures() {
   };
 }
 
+// The number of ticks with each fault, and missed deadlines, which are no bit of a record.
 Columns columns_of_faults() {
   Columns columns;
   for (std::size_t fault = 0; fault < kFaultCount; ++fault) {

@@ -80,6 +80,7 @@ using NearPackVisitor = bool (*)(void* state, std::span<const std::uint32_t> pac
 
 // An immutable index over one surface in its own frame, the index frame. The origin of the index
 // frame should be near the middle of the surface, so that large coordinates do not cost precision.
+// The unit of the index frame counts as the metre in the names below; ContactBody has the factor.
 //
 // Embree's BVH finds clusters of sixteen packs of sixteen triangles. Within a cluster, boxes and
 // then triangles are filtered sixteen at a time. These filters use single precision and only narrow

@@ -3,14 +3,15 @@
 // The interface of haptic effects. An effect adds a property, such as friction or texture, to a
 // surface or to a whole scene.
 //
-// Each effect is a struct in a header of its own; friction.h is a good example:
+// Each effect is a struct in a header of its own, and both have its name: the effect "wood_grain"
+// would be WoodGrainEffect. friction.h is a good example:
 //
 //     struct DragEffect {
 //       static constexpr std::string_view kName = "drag";
 //       static constexpr EffectStage kStage = EffectStage::kForceAdd;
 //       static constexpr std::uint32_t kNeeds = kNeedsContact | kNeedsVelocity;
-//       struct Parameters { double drag_Ns_per_m = 0.0; };  // doubles and pointers
-//       struct State {};                                    // of one material in one loop
+//       struct Parameters { double drag_Ns_per_m = 0.0; };  // doubles and pointers, as in State
+//       struct State {};  // of one material in one loop; copied as bytes, so it has no Vec3
 //       static constexpr ParameterKey kKeys[] = {...};      // the parameters' names in files
 //       static const char* contradiction(const Parameters&) noexcept;  // a problem, or null
 //       static bool apply(const Parameters&, State&, EffectTick&) noexcept;  // true if active
@@ -89,7 +90,8 @@ struct EffectTick {
   double longest_dt_s = 0.0;             // the longer of this tick's dt and the previous tick's;
                                          // measured times: this tick's
   bool has_measured_times = false;       // HapticLoop::use_measured_times()
-  bool slid = false;                     // the proxy moved along the touched surface
+  bool slid = false;                     // the proxy moved along the touched surface; often
+                                         // true as well in the tick in which it comes there
   Vec3 normal = Vec3::Zero();            // unit contact normal; from kForceAdd on, the rendered one
   double share = 1.0;                    // this material's share of the contact force, (0, 1]
   FacePoint face;

@@ -28,8 +28,8 @@ template <typename Effect>
 constexpr EffectType effect_type() {
   using Parameters = typename Effect::Parameters;
   using State = typename Effect::State;
-  // Parameters and states are copied as bytes.
-  static_assert(std::is_trivially_copyable_v<Parameters> && std::is_trivially_copyable_v<State>);
+  static_assert(std::is_trivially_copyable_v<Parameters> && std::is_trivially_copyable_v<State>,
+                "parameters and states are copied as bytes: use arrays of numbers, not Vec3");
   static_assert(alignof(Parameters) <= alignof(double) && alignof(State) <= alignof(double));
   // A table runs only in a scene whose needs include its stage.
   constexpr std::uint32_t kStageNeed =

@@ -1,6 +1,7 @@
 #pragma once
 
-// A scene that declares every effect, with a second body without effects.
+// A scene that declares every effect, with a second body without effects. Tests require that each
+// compiled effect becomes active in it: a new effect needs an entry, and kEntries counts it.
 
 #include <algorithm>
 #include <array>

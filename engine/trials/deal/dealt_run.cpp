@@ -55,9 +55,10 @@ std::vector<std::string> written_paths(const DealtRun& run, const DealtSettings&
   return paths;
 }
 
-// An error if something other than a file has one of these paths, such as a folder or a pipe. It
-// would be found when the trials have run, and opening a pipe waits for a reader.
-std::optional<Error> check_paths(const std::vector<std::string>& paths) {
+// Registers these paths as outputs (file_roles.h). An error if one is an input, or if something
+// other than a file has it, such as a folder or a pipe: this would be found when the trials have
+// run, and opening a pipe waits for a reader.
+std::optional<Error> add_outputs(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     if (auto error = add_output(path)) return error;
     std::error_code failed;
@@ -362,7 +363,7 @@ Result<DealtOutcome> run_dealt(const DealtRun& run, const DealtSettings& setting
                                const StopFlag* stop) {
   const std::string& folder = settings.out_folder;
   const std::vector<int> units = units_of(settings.shard.value_or(Shard{}), run.units.count);
-  if (auto error = check_paths(written_paths(run, settings, units))) return *error;
+  if (auto error = add_outputs(written_paths(run, settings, units))) return *error;
   auto locks = prepare_folder(folder, run, settings, units);
   if (!locks) return locks.error();
 

@@ -37,14 +37,16 @@ constexpr bool is_delay(double delay_s) {
 // The properties of one device. Device frame, SI units. A number is 0 if it is unknown.
 struct DeviceDescription {
   std::string name;
-  int sensed_axes = 3;  // 2: A1 = x and A2 = y; 3: also A3 = z
+  // 2: A1 = x and A2 = y; 3: also A3 = z. A device with one sensor has 2, its y stays 0, and its
+  // workspace has an extent along y as well.
+  int sensed_axes = 3;
   int motor_count = 0;
   std::array<MotorDescription, 3> motors = {};  // the first motor_count are used
   // False for a simulated or recorded device. The governor applies more rules to a device that
   // moves motors, and such a device without described motors gets no force.
   bool moves_motors = true;
   double peak_force_N = 0.0;  // the largest length of a force; 0: unknown
-  // Two opposite corners of the workspace, a box along the axes.
+  // Two opposite corners of the workspace, a box along the axes. It extends along each sensed axis.
   std::array<double, 3> workspace_low_m = {};
   std::array<double, 3> workspace_high_m = {};
   double mass_kg = 0.0;           // apparent mass at the tip, along an axis

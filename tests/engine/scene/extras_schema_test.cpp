@@ -111,7 +111,7 @@ TEST(ExtrasSchema, RequiresTheKeysThatEffectsRequire) {
       }
     }
   }
-  EXPECT_EQ(demands.size(), 2u);
+  EXPECT_GE(demands.size(), 2u);
   json medium = demand("solid", {{"enum", {false, 0}}}, "viscosity");
   medium["then"]["properties"]["viscosity"] = above_zero;
   demands.push_back(medium);

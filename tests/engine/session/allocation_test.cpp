@@ -574,7 +574,7 @@ TEST(SilentEffects, AreFeltCountedAndTunedWithoutAllocating) {
   }
   census.stop();
   census.expect_nothing();
-  EXPECT_EQ(active_effects, (1u << compiled_effects().size()) - 1);
+  EXPECT_EQ(active_effects, (1u << compiled_effects().size()) - 1) << "see AllEffects";
 }
 
 // ---- a session that a page watches and changes -------------------------------------------------

@@ -75,7 +75,7 @@ TEST(Effects, DoNotDependOnTheOrderOfTheirDeclaration) {
       active |= a.record().effects;
     }
   }
-  EXPECT_EQ(active, (1u << compiled_effects().size()) - 1);
+  EXPECT_EQ(active, (1u << compiled_effects().size()) - 1) << "see AllEffects";
 }
 
 // Next to a body with all effects, a body without effects is rendered as if there were no effects.
@@ -170,7 +170,7 @@ TEST(Effects, AreCountedInTheTicksInWhichTheyAreActive) {
   }
   EXPECT_EQ(hand.loop().effect_counters()->ticks, counted);
   for (std::size_t i = 0; i < compiled_effects().size(); ++i) {
-    EXPECT_GT(counted[i], 100u) << compiled_effects()[i].name;
+    EXPECT_GT(counted[i], 100u) << compiled_effects()[i].name << ": see AllEffects";
   }
 }
 

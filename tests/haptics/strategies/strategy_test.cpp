@@ -1,8 +1,10 @@
 // Names of strategies, and what a named strategy changes in the bits of a loop.
 
+#include <algorithm>
 #include <clocale>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -40,6 +42,11 @@ HapticSettings settings_of(const Strategy& strategy) {
 
 TEST(StrategyNames, AreReadAndWritten) {
   for (const char* name : kNames) EXPECT_EQ(name_of(strategy(name)), name);
+  for (const StrategyType* type : strategies()) {
+    if (type->parameter) continue;
+    EXPECT_NE(std::find(std::begin(kNames), std::end(kNames), type->name), std::end(kNames))
+        << type->name << ": CONTRIBUTING.md states which tests list the strategies";
+  }
   EXPECT_EQ(strategy("mask"), Strategy{});
   EXPECT_EQ(strategy("anisotropic:4"), (Strategy{&kAnisotropicStrategy, 4.0}));
   EXPECT_EQ(strategy("anisotropic:+2.5e-1"), (Strategy{&kAnisotropicStrategy, 0.25}));
