@@ -161,7 +161,7 @@ void slide(benchmark::State& state, const std::string& name, std::size_t instanc
   time_path(
       state, {samples, Caches::kWarm},
       [&] {
-        god_object.emplace(scene->world(), settings);
+        god_object = std::move(*GodObject::create(scene->world(), settings));
         god_object->place(1.05 * goals.front());
         god_object->move_to(goals.front());
       },

@@ -79,7 +79,7 @@ Row measure(const WorstInput& input, EffectKind kind, int repeats) {
   const GodObjectSettings settings{.radius_m = input.proxy_radius_m};
   for (int repeat = 0; repeat < repeats; ++repeat) {
     WorstEffects effects(input, kind, settings);
-    GodObject god_object(input.world, settings);
+    GodObject god_object = std::move(*GodObject::create(input.world, settings));
     god_object.place(input.goals_m.front());
     for (std::size_t n = 0; n < ticks.size(); ++n) {
       const auto start = std::chrono::steady_clock::now();

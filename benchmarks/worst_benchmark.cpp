@@ -37,7 +37,7 @@ void run(benchmark::State& state, const WorstKind& kind, bool is_large, Caches c
   time_path(
       state, {input.goals_m.size(), caches},
       [&] {
-        god_object.emplace(input.world, GodObjectSettings{.radius_m = input.proxy_radius_m});
+        god_object = std::move(*GodObject::create(input.world, {.radius_m = input.proxy_radius_m}));
         god_object->place(input.goals_m.front());
       },
       [](std::size_t) {},

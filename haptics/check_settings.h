@@ -1,6 +1,6 @@
 #pragma once
 
-// Checks the settings of a haptic loop before its construction.
+// Checks the settings of a haptic loop.
 
 #include <optional>
 
@@ -30,8 +30,7 @@ struct HapticSettings;
 //                         farthest_place_m() from the device's origin: a device's positions have 53
 //                         bits, and a large distance leaves fewer of them for the scene
 //
-// A loop that is constructed with a bad setting reports kFaultBadSettings and commands zero force
-// in every tick.
+// HapticLoop::create() returns this Error.
 std::optional<Error> check_settings(const ContactWorld& world, const HapticSettings& settings);
 
 // The largest distance of a good sample, in extents of the world. At this distance, half of the

@@ -11,16 +11,23 @@
 
 namespace palpate {
 
+Result<HapticLoop> HapticLoop::create(const ContactWorld& world, const ActuationModel& actuation,
+                                      const HapticSettings& settings) {
+  if (auto error = check_settings(world, settings)) return *error;
+  auto god_object = GodObject::create(world, settings.god_object);
+  if (!god_object) return god_object.error();
+  return HapticLoop(world, actuation, settings, std::move(*god_object));
+}
+
 HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
-                       const HapticSettings& settings)
+                       const HapticSettings& settings, GodObject god_object)
     : world_(&world),
       actuation_(actuation),
       settings_(settings),
-      god_object_(world, settings.god_object),
+      god_object_(std::move(god_object)),
       coupling_(settings.coupling),
       theoretical_rotation_(actuation, settings.a4.table1, settings.a4.align),
       touch_(world),
-      has_bad_settings_(check_settings(world, settings).has_value()),
       world_extent_m_(world_extent_m(world)) {
   record_.tick = ~std::uint64_t{0};  // the first tick is 0
   place_scene(unit_pose(settings.initial_pose));
@@ -28,7 +35,7 @@ HapticLoop::HapticLoop(const ContactWorld& world, const ActuationModel& actuatio
     effects_ = std::make_unique<EffectRunner>(world, settings.god_object, settings.coupling,
                                               settings.measures_effects);
   }
-  if (settings.strategy && !has_bad_settings_) {
+  if (settings.strategy) {
     strategy_ = settings.strategy->type->make_step(actuation_, settings_);
   }
   body_motions_.reserve(std::min(LiveWorld::kMostMoving, world.bodies.size()));
@@ -84,8 +91,8 @@ const TickRecord& HapticLoop::rest() {
 }
 
 void HapticLoop::warm_up() const noexcept try {
-  if (has_bad_settings_) return;
-  HapticLoop other(*world_, actuation_, settings_);
+  auto other = create(*world_, actuation_, settings_);
+  if (!other) return;  // set_coupling() was called with numbers that it does not allow
   const Box& box = world_->bounds_solver;
   const Vec3 middle_m = world_->to_scene(0.5 * (box.low + box.high));
   const Vec3 outside_m = middle_m + Vec3(world_->size_m, 0.0, 0.0);
@@ -93,7 +100,7 @@ void HapticLoop::warm_up() const noexcept try {
   constexpr double kTick_s = 1e-3;
   for (int n = 0; n <= kTicks; ++n) {
     const double share = static_cast<double>(n) / kTicks;
-    other.tick(T_device_scene().point(outside_m + share * (middle_m - outside_m)), kTick_s);
+    other->tick(T_device_scene().point(outside_m + share * (middle_m - outside_m)), kTick_s);
   }
 } catch (const std::bad_alloc&) {
 }
@@ -111,7 +118,6 @@ inline bool HapticLoop::get_user_motion(const Vec3& p_device_m, double dt_s) {
 }
 
 inline std::uint32_t HapticLoop::faults_of(const Vec3& sensed_m, double dt_s) {
-  if (has_bad_settings_) return kFaultBadSettings;
   if (!accepts(dt_s)) return kFaultBadTimeStep;
   if (record_.tick > 0) record_.time_s += dt_s;
   last_sample_.age_s += dt_s;

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/base/result.h"
 #include "haptics/a4/actuation.h"
 #include "haptics/a4/scene_pose.h"
 #include "haptics/a4/theoretical_rotation.h"
@@ -38,15 +39,15 @@ inline constexpr double kFastestHand_m_per_s = 10.0;
 
 // The haptic loop: the six actions of A4 (Lecuyer et al. 2005, section 3), once per tick.
 //
-// Thread-safety: one thread owns the loop. After construction, the loop does not allocate, lock,
+// Thread-safety: one thread owns the loop. After create(), the loop does not allocate, lock,
 // throw or use I/O. It is deterministic: equal worlds, settings, samples and body poses give equal
 // bits.
 class HapticLoop {
  public:
-  // The world must outlive the loop. If check_settings() returns an Error for the settings, every
-  // tick reports kFaultBadSettings and commands zero force.
-  HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
-             const HapticSettings& settings);
+  // The world must outlive the loop. Errors: those of check_settings() (check_settings.h). Not for
+  // the haptic thread: allocates.
+  static Result<HapticLoop> create(const ContactWorld& world, const ActuationModel& actuation,
+                                   const HapticSettings& settings);
   // A moved-from loop may only be destroyed.
   HapticLoop(HapticLoop&&) noexcept;
   HapticLoop& operator=(HapticLoop&&) noexcept;
@@ -109,12 +110,12 @@ class HapticLoop {
   // Sets the axes of motors that turn with the device. The next tick projects forces on these axes
   // and aligns the contact normal with them. A model with other sensed axes changes nothing; the
   // next tick sets kFaultBadActuation. A call before the first tick has the same effect, to the
-  // bit, as constructing the loop with `actuation`. Call on the haptic thread.
+  // bit, as creating the loop with `actuation`. Call on the haptic thread.
   void set_actuation(const ActuationModel& actuation) noexcept;
 
   // Turn A4 on or off; choose the part of the force that is commanded; set K and B of surfaces that
   // declare none. They apply from the next tick on. A loop that is switched before its first tick
-  // equals, to the bit, a loop that was constructed with these settings. A4 chooses its direction
+  // equals, to the bit, a loop that was created with these settings. A4 chooses its direction
   // anew when it is turned on, as in a new contact. The numbers must be such that check_settings()
   // allows them. A4 and the force of a loop with a strategy (HapticSettings::strategy) belong to
   // the strategy; set_a4() and set_force() then change nothing. Call on the haptic thread.
@@ -147,7 +148,7 @@ class HapticLoop {
   const HapticSettings& settings() const noexcept { return settings_; }
   const ActuationModel& actuation() const noexcept { return actuation_; }
 
-  // The bodies that have moved since the construction, and the pose of a body in the scene. Call on
+  // The bodies that have moved since create(), and the pose of a body in the scene. Call on
   // the haptic thread.
   std::span<const std::uint32_t> moved_bodies() const noexcept {
     return god_object_.world().moving();
@@ -171,6 +172,10 @@ class HapticLoop {
 
  private:
   static constexpr std::uint32_t kNoMotion = ~std::uint32_t{0};
+
+  // The settings must be valid. god_object: of this world, with settings.god_object.
+  HapticLoop(const ContactWorld& world, const ActuationModel& actuation,
+             const HapticSettings& settings, GodObject god_object);
 
   // The parts of tick(), in its order. Those that are inlined have one caller each, and the cost of
   // a call is measurable in short ticks.
@@ -230,7 +235,6 @@ class HapticLoop {
   TickRecord record_;
   TouchState touch_;
   bool has_proxy_ = false;
-  bool has_bad_settings_;
   double world_extent_m_;  // argument of farthest_sample_m()
 
   bool is_hand_free_ = false;

@@ -2,14 +2,12 @@
 
 #include <utility>
 
-#include "haptics/check_settings.h"
-
 namespace palpate {
 
-Rig::Rig(const ContactWorld& world, const RunSetup& setup, Device& device, const Scene* scene,
+Rig::Rig(HapticLoop loop, const RunSetup& setup, Device& device, const Scene* scene,
          std::optional<SteadyMotions> motions, RigParts parts)
     : motions_(std::move(motions)),
-      loop_(world, setup.actuation, setup.haptics),
+      loop_(std::move(loop)),
       session_(loop_, device, connect(setup, scene, std::move(parts))) {}
 
 // The order of the lists decides the bits of a run with moving nodes, and what a recording holds.
@@ -34,15 +32,21 @@ Result<std::unique_ptr<Rig>> Rig::create(const Scene& scene, const RunSetup& set
   if (auto error = check_setup(scene, setup)) return *error;
   auto motions = SteadyMotions::create(scene, setup.moves);
   if (!motions) return motions.error();
-  return std::unique_ptr<Rig>(
-      new Rig(scene.world(), setup, device, &scene, std::move(*motions), std::move(parts)));
+  return create(scene.world(), setup, device, &scene, std::move(*motions), std::move(parts));
 }
 
 Result<std::unique_ptr<Rig>> Rig::create(const ContactWorld& world, const RunSetup& setup,
                                          Device& device, RigParts parts) {
-  if (auto error = check_settings(world, setup.haptics)) return *error;
+  return create(world, setup, device, nullptr, std::nullopt, std::move(parts));
+}
+
+Result<std::unique_ptr<Rig>> Rig::create(const ContactWorld& world, const RunSetup& setup,
+                                         Device& device, const Scene* scene,
+                                         std::optional<SteadyMotions> motions, RigParts parts) {
+  auto loop = HapticLoop::create(world, setup.actuation, setup.haptics);
+  if (!loop) return loop.error();
   return std::unique_ptr<Rig>(
-      new Rig(world, setup, device, nullptr, std::nullopt, std::move(parts)));
+      new Rig(std::move(*loop), setup, device, scene, std::move(motions), std::move(parts)));
 }
 
 std::unique_ptr<RecordKeeper> Rig::take_keeper() {

@@ -44,7 +44,7 @@ class Rig {
   static Result<std::unique_ptr<Rig>> create(const Scene& scene, const RunSetup& setup,
                                              Device& device, RigParts parts = {});
   // A rig without a scene. Its nodes do not move: setup.moves, has_tuner and stays_inside do not
-  // count. Errors: those of check_settings().
+  // count. Errors: those of HapticLoop::create().
   static Result<std::unique_ptr<Rig>> create(const ContactWorld& world, const RunSetup& setup,
                                              Device& device, RigParts parts = {});
   Rig(const Rig&) = delete;
@@ -67,7 +67,11 @@ class Rig {
   std::unique_ptr<RecordKeeper> take_keeper();
 
  private:
-  Rig(const ContactWorld& world, const RunSetup& setup, Device& device, const Scene* scene,
+  // scene: null for a rig without a scene.
+  static Result<std::unique_ptr<Rig>> create(const ContactWorld& world, const RunSetup& setup,
+                                             Device& device, const Scene* scene,
+                                             std::optional<SteadyMotions> motions, RigParts parts);
+  Rig(HapticLoop loop, const RunSetup& setup, Device& device, const Scene* scene,
       std::optional<SteadyMotions> motions, RigParts parts);
   SessionParts connect(const RunSetup& setup, const Scene* scene, RigParts parts);
 

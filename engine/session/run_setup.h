@@ -73,10 +73,10 @@ std::optional<Error> check_align(Alignment align, Table1Form table1, int actuato
 // ForceMode::kFull.
 void give_all_motors(DeviceDescription& device, int sensors);
 
-// Returns an error if the haptic loop would refuse this setup in every tick on this scene
-// (check_settings, is_time_step), or if the device has no workspace for the simulated hand. The
-// error names the field of HapticSettings or RunSettings. replay() and explore() call this
-// function.
+// Returns an error if no haptic loop can be created with this setup on this scene
+// (check_settings), if it would refuse every tick (is_time_step), or if the device has no workspace
+// for the simulated hand. The error names the field of HapticSettings or RunSettings. replay() and
+// explore() call this function.
 std::optional<Error> check_setup(const Scene& scene, const RunSetup& setup);
 
 }  // namespace palpate

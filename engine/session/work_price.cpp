@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "engine/devices/monotonic_clock.h"
@@ -65,7 +66,7 @@ double pass_ns(const Input& input) {
   GodObjectSettings settings;
   settings.radius_m = input.radius_m;
   settings.accuracy.work_budget = kBudget;
-  GodObject god_object(input.world, settings);
+  GodObject god_object = std::move(*GodObject::create(input.world, settings));
   god_object.place(Vec3(0.01, 0.02, 0.7) * kSize_m);
   SeededRandom random(2);
   double time_ns = 0.0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Validation of a god-object's settings before its construction.
+// Validation of a god-object's settings.
 
 #include <optional>
 
@@ -22,8 +22,7 @@ struct GodObjectSettings;
 //   accuracy.work_budget   >= 1
 //   accuracy.tolerance     finite, > 0
 //
-// A god-object constructed with invalid settings refuses every move (ProxyState::is_refused).
-// Not for the haptic thread: allocates. Thread-safe.
+// GodObject::create() returns this Error. Not for the haptic thread: allocates. Thread-safe.
 std::optional<Error> check_settings(const ContactWorld& world, const GodObjectSettings& settings);
 
 }  // namespace palpate

@@ -27,9 +27,13 @@ constexpr std::size_t kMostCornersPerIteration = 2 * (2 + kMostRollCorners);
 
 }  // namespace
 
+Result<GodObject> GodObject::create(const ContactWorld& world, const GodObjectSettings& settings) {
+  if (auto error = check_settings(world, settings)) return *error;
+  return GodObject(world, settings);
+}
+
 GodObject::GodObject(const ContactWorld& world, const GodObjectSettings& settings)
-    : has_bad_settings_(check_settings(world, settings).has_value()),
-      settings_(has_bad_settings_ ? GodObjectSettings{} : settings),
+    : settings_(settings),
       world_(std::make_unique<LiveWorld>(world)),
       tracer_(*world_, settings_.radius_m, settings_.accuracy),
       around_(std::make_unique<Surroundings>()) {
@@ -57,7 +61,7 @@ void GodObject::update_bounds() {
 }
 
 bool GodObject::place(const Vec3& p, const std::optional<Vec3>& motion_plane_normal) noexcept {
-  if (has_bad_settings_ || !std::isfinite(p.squaredNorm())) return false;
+  if (!std::isfinite(p.squaredNorm())) return false;
   if (motion_plane_normal && !is_unit(*motion_plane_normal)) return false;
   tracer_.begin_tick();
   set_motion_plane(motion_plane_normal);

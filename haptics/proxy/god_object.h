@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/base/result.h"
 #include "haptics/proxy/accuracy.h"
 #include "haptics/proxy/friction_cone.h"
 #include "haptics/proxy/interrupted_work.h"
@@ -105,16 +106,15 @@ struct FrictionSource {
 // of the radius while the sphere moves round an obstacle.
 //
 // Numbers that are not finite, and positions so far away that squares of lengths overflow, are
-// invalid input. Invalid input changes nothing; the return value reports it. If check_settings()
-// reports an Error for the settings, the god-object refuses every call and does not query the
-// world.
+// invalid input. Invalid input changes nothing; the return value reports it.
 //
-// Safe on the haptic thread: no allocation, lock or exception after construction. Not thread-safe:
-// one thread owns an instance.
+// Safe on the haptic thread: no allocation, lock or exception after create(). Not thread-safe: one
+// thread owns an instance.
 class GodObject {
  public:
-  // Copies the poses of the bodies. The surfaces of the world must outlive the god-object.
-  GodObject(const ContactWorld& world, const GodObjectSettings& settings);
+  // Copies the poses of the bodies. The surfaces of the world must outlive the god-object. Errors:
+  // those of check_settings() (check_god_object_settings.h). Not for the haptic thread: allocates.
+  static Result<GodObject> create(const ContactWorld& world, const GodObjectSettings& settings);
   // A moved-from god-object may only be destroyed.
   GodObject(GodObject&&) noexcept;
   GodObject& operator=(GodObject&&) noexcept;
@@ -216,9 +216,11 @@ class GodObject {
   const SolverScale& scale() const { return tracer_.scale(); }
   const LiveWorld& world() const { return *world_; }
   double radius_m() const { return settings_.radius_m; }
-  bool has_bad_settings() const { return has_bad_settings_; }
 
  private:
+  // The settings must be valid.
+  GodObject(const ContactWorld& world, const GodObjectSettings& settings);
+
   enum class Progress : std::uint8_t {
     kMoved,    // the proxy reached the nearest point that the planes allow
     kHeld,     // the proxy was at that point already
@@ -229,7 +231,7 @@ class GodObject {
   // Whether the goal and the normal are valid: the squared distance of the goal from the proxy is
   // finite, and the normal, if given, is a unit vector.
   bool is_goal(const Vec3& goal, const std::optional<Vec3>& motion_plane_normal) const {
-    return !has_bad_settings_ && std::isfinite((goal - proxy_).squaredNorm()) &&
+    return std::isfinite((goal - proxy_).squaredNorm()) &&
            (!motion_plane_normal || is_unit(*motion_plane_normal));
   }
   bool is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const;
@@ -467,8 +469,7 @@ class GodObject {
   }
   ProxyState report(int iterations, bool capped) const;
 
-  bool has_bad_settings_;
-  GodObjectSettings settings_;        // the defaults if the given settings are invalid
+  GodObjectSettings settings_;
   std::unique_ptr<LiveWorld> world_;  // on the heap, since the tracer keeps its address
   Box bounds_;                        // no surface can be touched outside
   SegmentTracer tracer_;

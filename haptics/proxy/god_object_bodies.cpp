@@ -21,7 +21,7 @@ bool is_same_pose(const RigidTransform& a, const RigidTransform& b) {
 }  // namespace
 
 bool GodObject::is_motion(std::uint32_t body, const RigidTransform& T_solver_body) const {
-  return !has_bad_settings_ && body < world_->bodies().size() && is_pose(T_solver_body) &&
+  return body < world_->bodies().size() && is_pose(T_solver_body) &&
          std::isfinite(T_solver_body.translation_m.squaredNorm());
 }
 

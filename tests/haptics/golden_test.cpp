@@ -27,6 +27,7 @@
 #include "haptics/record_vectors.h"
 #include "models/paper_objects.h"
 #include "models/primitives.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -181,7 +182,8 @@ Outcome render(const PaperObject& object, const Strategy& strategy) {
   settings.coupling.damping_Ns_per_m = 2.0;
   set_strategy(strategy, settings);
   settings.initial_pose = start_pose();
-  HapticLoop loop(world.world(), *ActuationModel::from_counts(2, 1), settings);
+  auto loop =
+      test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(2, 1), settings));
   Outcome outcome;
   Hash hash, old_members, touch;
   for (const Vec3& p : trajectory_m(object.contour_m)) {

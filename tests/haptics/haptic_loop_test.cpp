@@ -1,14 +1,20 @@
 #include "haptics/haptic_loop.h"
 
 #include <cmath>
+#include <cstring>
+#include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "geometry/base/decompositions.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/effect_programs.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/made.h"
+#include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -107,7 +113,7 @@ TEST_P(EnergyCertificate, HoldsEveryTick) {
   const OwnedWorld world(box_soup({0.08, 0.06, 0.05}), random.pose(0.02), c.radius_m);
   HapticSettings s = settings(c.a4);
   s.god_object.radius_m = c.radius_m;
-  HapticLoop loop(world.world(), device(c.sensors, c.actuators), s);
+  auto loop = test::made(HapticLoop::create(world.world(), device(c.sensors, c.actuators), s));
   Vec3 at_m(0.12, 0.0, 0.0);
   TickRecord last = loop.tick(at_m, kDt);
   int contact_ticks = 0;
@@ -140,7 +146,7 @@ TEST(A4, TurningTheSceneAboutTheProxyLeavesTheSpringAlone) {
   Random random(22);
   for (const int actuators : {1, 2}) {
     const OwnedWorld world(square_plane(), tilted(80 * kDeg, random.unit_vector()));
-    HapticLoop loop(world.world(), device(3, actuators), settings(true));
+    auto loop = test::made(HapticLoop::create(world.world(), device(3, actuators), settings(true)));
     loop.tick(world.world().to_scene(tilted(80 * kDeg).direction({0, 0, 0.1})), kDt);
     Vec3 at_m = 0.3 * random.in_box(0.02);
     double last_J = -1.0;
@@ -159,7 +165,7 @@ TEST(A4, TurningTheSceneAboutTheProxyLeavesTheSpringAlone) {
 // A force projected on one axis has curl.
 double loop_work_J(double angle_rad, bool a4, double side_m) {
   const OwnedWorld world(square_plane(), tilted(angle_rad));
-  HapticLoop loop(world.world(), device(3, 1), settings(a4));
+  auto loop = test::made(HapticLoop::create(world.world(), device(3, 1), settings(a4)));
   Port port(loop);
   port.start({0.1, 0.0, 0.0});
   // The loop lies so far inside that all of it is in contact, even while the scene turns.
@@ -193,7 +199,7 @@ TEST(A4, PressAlignReleaseReturnsTheUnchargedEnergyOfTheSpring) {
   for (const double deg : {10.0, 30.0, 60.0, 80.0}) {
     const double angle_rad = deg * kDeg;
     const OwnedWorld world(square_plane(), tilted(angle_rad));
-    HapticLoop loop(world.world(), device(3, 1), settings(true));
+    auto loop = test::made(HapticLoop::create(world.world(), device(3, 1), settings(true)));
     const Vec3 normal = tilted(angle_rad).direction(Vec3::UnitZ());
     Port port(loop);
     port.start(0.01 * normal);
@@ -209,7 +215,8 @@ TEST(A4, PressAlignReleaseReturnsTheUnchargedEnergyOfTheSpring) {
 TEST(A4, DoesNotTurnOffContactAtZeroAngleOrWithAllAxesActuated) {
   const OwnedWorld world(box_soup(Vec3::Constant(0.05)));
   for (const auto& [sensors, actuators] : {std::pair(3, 1), std::pair(3, 3), std::pair(3, 0)}) {
-    HapticLoop loop(world.world(), device(sensors, actuators), settings(true));
+    auto loop =
+        test::made(HapticLoop::create(world.world(), device(sensors, actuators), settings(true)));
     for (const double x : {0.1, 0.06, 0.04, 0.03, 0.1}) {
       loop.tick({x, 0.01, 0.0}, kDt);
       EXPECT_EQ(loop.T_device_scene().rotation.coeffs(), Quat::Identity().coeffs());
@@ -228,7 +235,8 @@ TEST(A4, AlignsEveryCaseAndKeepsTheContact) {
       const Vec3 towards = c.sensors == 2 ? Vec3::UnitY() : random.unit_vector();
       const RigidTransform pose = tilted(random.uniform(-80, 80) * kDeg, towards);
       const OwnedWorld world(square_plane(), pose);
-      HapticLoop loop(world.world(), device(c.sensors, c.actuators), settings(true));
+      auto loop = test::made(
+          HapticLoop::create(world.world(), device(c.sensors, c.actuators), settings(true)));
       const Vec3 normal = pose.direction(Vec3::UnitZ());
       Vec3 start = 0.01 * normal;
       loop.tick(start, kDt);
@@ -248,7 +256,7 @@ TEST(HapticLoop, ForceModeMasksTheForceAndNothingElse) {
   std::vector<std::vector<TickRecord>> traces;
   for (const ForceMode mode : {ForceMode::kNone, ForceMode::kActuated, ForceMode::kFull}) {
     s.force = mode;
-    HapticLoop loop(world.world(), device(2, 1), s);
+    auto loop = test::made(HapticLoop::create(world.world(), device(2, 1), s));
     std::vector<TickRecord> trace;
     for (int n = 0; n < 200; ++n) {
       trace.push_back(loop.tick({0.05 - 5e-4 * n, 1e-4 * n, 0.0}, kDt));
@@ -268,6 +276,40 @@ TEST(HapticLoop, ForceModeMasksTheForceAndNothingElse) {
   }
 }
 
+// The loop refers to its own parts; create() moves it, and so may its owner.
+TEST(HapticLoop, KeepsItsStateAndItsBitsWhenItIsMoved) {
+  Random random(8110);
+  const Vec3 half_m(0.05, 0.04, 0.03);
+  test::OwnedBodies bodies(
+      {{box_soup(half_m), {}}, {box_soup(half_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}}, 1e-3,
+      true);
+  test::EffectBodies effects;
+  effects.add_body({test::effect_entry<FrictionEffect>({0.5, 0.4, nullptr})});
+  effects.add_body_without_effects();
+  bodies.set_effects(effects.finish());
+  for (const double radius_m : {0.0, 1e-3}) {
+    HapticSettings s = settings(true, 2.0);
+    s.god_object.radius_m = radius_m;
+    const auto create = [&] { return HapticLoop::create(bodies.world(), device(3, 1), s); };
+    auto moved = std::make_unique<HapticLoop>(test::made(create()));
+    auto stays = test::made(create());
+    int contacts = 0;
+    for (int n = 0; n < 500; ++n) {
+      moved = std::make_unique<HapticLoop>(std::move(*moved));
+      const RigidTransform pose{Quat::Identity(), random.in_box(1e-3)};
+      moved->move_body(n % 2, pose);
+      stays.move_body(n % 2, pose);
+      const double t = 0.02 * n;  // the hand presses on the upper face, slides on it and leaves it
+      const Vec3 at_m(0.04 * std::cos(t), 0.03 * std::sin(t), 0.03 + 0.005 * std::cos(3.0 * t));
+      const TickRecord& record = moved->tick(at_m, kDt);
+      const TickRecord& expected = stays.tick(at_m, kDt);
+      ASSERT_EQ(std::memcmp(&record, &expected, sizeof record), 0) << "tick " << n;
+      contacts += record.contact ? 1 : 0;
+    }
+    EXPECT_GT(contacts, 100);
+  }
+}
+
 struct BadInput {
   Vec3 sample_m;
   double dt_s;
@@ -283,8 +325,8 @@ class BadSample : public testing::TestWithParam<BadInput> {};
 TEST_P(BadSample, CommandsZeroForceSetsItsFaultBitAndTheNextSampleIsGood) {
   const auto [bad_m, bad_dt_s, fault] = GetParam();
   const OwnedWorld world(square_plane(), tilted(0.0));
-  HapticLoop loop(world.world(), device(3, 3), settings(false));
-  HapticLoop undisturbed(world.world(), device(3, 3), settings(false));
+  auto loop = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false)));
+  auto undisturbed = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false)));
   for (const double x : {0.01, -0.001, -0.002}) {
     loop.tick({x, 0, 0}, kDt);
     undisturbed.tick({x, 0, 0}, kDt);
@@ -319,7 +361,7 @@ INSTANTIATE_TEST_SUITE_P(All, BadSample,
 
 TEST(HapticLoop, AcceptsTicksOfUpToASecond) {
   const OwnedWorld world(square_plane(), tilted(0.0));
-  HapticLoop loop(world.world(), device(3, 3), settings(false));
+  auto loop = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false)));
   loop.tick({0.01, 0, 0}, kDt);
   for (const double dt_s : {1e-12, 1e-3, 0.5, 1.0}) {
     const TickRecord& record = loop.tick(kPressed_m, dt_s);
@@ -335,7 +377,7 @@ TEST(HapticLoop, CommandsNoForceForAJumpAndKeepsTheContact) {
   for (int trial = 0; trial < 50; ++trial) {
     const RigidTransform pose = random.pose(10.0);
     const OwnedWorld world(square_plane(), pose);
-    HapticLoop loop(world.world(), device(3, 3), settings(false));
+    auto loop = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false)));
     const Vec3 pressed(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), -2e-3);
     loop.tick(pose.point({0.0, 0.0, 0.1}), kDt);
     const TickRecord before = loop.tick(pose.point(pressed), kDt);
@@ -372,14 +414,14 @@ TEST(HapticLoop, ReportsAJumpIfTheSampleIsFartherThanTheSceneAndFasterThanAHand)
        {Leap{0.99 * kSize_m, 1e-6, false}, Leap{1.01 * kSize_m, 1e-6, true},
         Leap{5.0, 0.99 * 5.0 / kFastestHand_m_per_s, true},
         Leap{5.0, 1.01 * 5.0 / kFastestHand_m_per_s, false}, Leap{1.5, 1e-9, false}}) {
-    HapticLoop loop(world.world(), device(3, 3), settings(false));
+    auto loop = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false)));
     loop.tick({0.01, 0, 0}, kDt);
     loop.tick({0.01, 0, 0}, kDt);
     const TickRecord& far = loop.tick({0.01 + leap.way_m, 0, 0}, leap.dt_s);
     EXPECT_EQ(far.faults, leap.is_jump ? kFaultJump : kFaultNone) << leap.way_m << " " << leap.dt_s;
   }
   // Ticks with an invalid sample add to the time; a tick with an invalid time step does not.
-  HapticLoop loop(world.world(), device(3, 3), settings(false));
+  auto loop = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false)));
   loop.tick({0.01, 0, 0}, kDt);
   for (int n = 0; n < 6; ++n) loop.tick({kNan, 0, 0}, 0.1);
   loop.tick({kNan, 0, 0}, kInfinity);
@@ -398,7 +440,7 @@ TEST(HapticLoop, RendersContactWithASceneSmallerThanTheMotionOfATick) {
   for (int trial = 0; trial < 200; ++trial) {
     const RigidTransform pose = random.pose(0.05);
     const OwnedWorld world(box_soup(Vec3::Constant(kHalf)), pose);
-    HapticLoop loop(world.world(), device(3, 3), settings(false));
+    auto loop = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false)));
     // From a place straight above one face to one straight below, through the scene.
     const Vec3 aim(random.uniform(-0.9, 0.9) * kHalf, random.uniform(-0.9, 0.9) * kHalf, 0.0);
     const double start_m = random.uniform(0.0, 1.0) * kSpeed_m_per_s * kDt;
@@ -421,7 +463,7 @@ TEST(HapticLoop, RendersContactWithASceneSmallerThanTheMotionOfATick) {
 
 TEST(HapticLoop, IgnoresBadSamplesBeforeTheFirstGoodOne) {
   const OwnedWorld world(square_plane(), tilted(0.0));
-  HapticLoop loop(world.world(), device(3, 3), settings(false));
+  auto loop = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false)));
   EXPECT_EQ(loop.tick({kNan, 0, 0}, kDt).tick, 0u);
   const TickRecord first = loop.tick({0.01, 0, 0}, kDt);
   EXPECT_EQ(first.faults, 0u);
@@ -433,7 +475,7 @@ TEST(HapticLoop, KeepsATwoSensorDeviceInItsPlane) {
   const OwnedWorld world(box_soup(Vec3::Constant(0.05)));
   HapticSettings s = settings(true);
   s.plane_height_m = 0.02;
-  HapticLoop loop(world.world(), device(2, 1), s);
+  auto loop = test::made(HapticLoop::create(world.world(), device(2, 1), s));
   for (int n = 0; n < 500; ++n) {
     const double angle = 0.01 * n;
     const TickRecord r = loop.tick({0.06 * std::cos(angle), 0.045 * std::sin(angle), 17.0}, kDt);
@@ -446,7 +488,7 @@ TEST(HapticLoop, KeepsATwoSensorDeviceInItsPlane) {
 // The time step is finite, but so small that the speed of a step overflows.
 TEST(HapticLoop, CommandsNoNonFiniteForce) {
   OwnedWorld world(square_plane());
-  HapticLoop loop(world.world(), device(3, 3), settings(false, 2.0));
+  auto loop = test::made(HapticLoop::create(world.world(), device(3, 3), settings(false, 2.0)));
   loop.tick({0, 0, 0.001}, kDt);
   loop.tick({0, 0, -0.001}, kDt);
   const TickRecord& none = loop.tick({0, 0, -0.002}, 1e-312);
@@ -465,7 +507,7 @@ TEST(HapticLoop, DoesNotTurnIfFullyActuatedOffContactOrAligned) {
   const auto turned_ticks = [&](double tilt_rad, int actuators, double height_m) {
     const Quat tilt(Eigen::AngleAxisd(tilt_rad, Vec3::UnitZ()));
     OwnedWorld world(across_a1, {tilt, Vec3::Zero()});
-    HapticLoop loop(world.world(), device(3, actuators), settings(true));
+    auto loop = test::made(HapticLoop::create(world.world(), device(3, actuators), settings(true)));
     const Vec3 normal = tilt * Vec3::UnitX();
     loop.tick(0.001 * normal, kDt);
     int turned = 0;

@@ -16,6 +16,7 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "models/primitives.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -153,7 +154,7 @@ std::vector<TickRecord> render(const Scenario& scenario, const Placing& placing,
   for (const Vec3& p : scenario.soup.positions) soup.positions.push_back(placing.body(p));
   settings.god_object.radius_m *= placing.scale;
   const OwnedWorld world(soup, placing.T_scene_body, settings.god_object.radius_m);
-  HapticLoop loop(world.world(), actuation, settings);
+  auto loop = test::made(HapticLoop::create(world.world(), actuation, settings));
   std::vector<TickRecord> records;
   for (const Vec3& p : scenario.path_m) records.push_back(loop.tick(placing.scene(p), kTick_s));
   return records;

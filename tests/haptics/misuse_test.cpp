@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -15,6 +16,7 @@
 #include "tests/haptics/three_axes.h"
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
@@ -190,7 +192,7 @@ TEST(CheckSettings, LimitsTheCouplingByTheLargestLagOfAGoodSample) {
       spoil(more.coupling);
       EXPECT_TRUE(check_settings(world.world(), more));
     }
-    HapticLoop loop(world.world(), three_axes(), settings);
+    auto loop = test::made(HapticLoop::create(world.world(), three_axes(), settings));
     const double farthest_m =
         farthest_sample_m(world_extent_m(world.world()), settings.initial_pose);
     // The hand presses on the upper face of the box and is then dragged through it, as far as
@@ -211,8 +213,7 @@ TEST(CheckSettings, LimitsTheCouplingByTheLargestLagOfAGoodSample) {
   }
 }
 
-TEST(Misuse, BadLoopSettingsSetTheirFaultAndCommandZeroForceInEveryTick) {
-  Random random(8103);
+TEST(Misuse, NoLoopIsCreatedWithBadSettings) {
   OwnedBodies bodies(
       {{box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}},
       kRadius_m, true);
@@ -220,21 +221,18 @@ TEST(Misuse, BadLoopSettingsSetTheirFaultAndCommandZeroForceInEveryTick) {
   effects.add_body({test::effect_entry<FrictionEffect>({0.5, 0.4, nullptr})});
   effects.add_body_without_effects();
   bodies.set_effects(effects.finish());
+  for (const double radius_m : {0.0, 1e-3 * kRadius_m, 0.5 * kRadius_m, kRadius_m}) {
+    const auto loop = HapticLoop::create(bodies.world(), three_axes(), good_settings(radius_m));
+    ASSERT_TRUE(loop.ok()) << loop.error().to_string();
+  }
   for (const BadSetting& bad : bad_settings()) {
     HapticSettings settings = good_settings(kRadius_m);
     bad.spoil(settings);
-    HapticLoop loop(bodies.world(), three_axes(), settings);
-    for (int n = 0; n < 300; ++n) {
-      if (n % 7 == 0) loop.move_body(0, {Quat::Identity(), random.in_box(0.01)});
-      Vec3 sample = random.in_box(0.1);
-      if (n % 5 == 0) sample.x() = kNan;
-      const TickRecord& record = loop.tick(sample, n % 11 == 0 ? kInfinity : kTick_s);
-      ASSERT_NE(record.faults & kFaultBadSettings, 0u) << bad.field;
-      ASSERT_EQ(vec3(record.force_device_N), Vec3(Vec3::Zero()));
-      ASSERT_EQ(vec3(record.full_force_device_N), Vec3(Vec3::Zero()));
-      ASSERT_FALSE(record.contact);
-      ASSERT_EQ(record.tick, static_cast<std::uint64_t>(n));
-    }
+    const auto loop = HapticLoop::create(bodies.world(), three_axes(), settings);
+    ASSERT_FALSE(loop.ok()) << bad.field;
+    EXPECT_EQ(loop.error().element, bad.field);
+    EXPECT_EQ(loop.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(loop.error().to_string(), check_settings(bodies.world(), settings)->to_string());
   }
 }
 
@@ -261,30 +259,20 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 test::SameCone sticky_cone({0.5, 0.4});
 const FrictionSource kSticky{sticky_cone};
 
-TEST(Misuse, BadGodObjectSettingsMoveNothing) {
+TEST(Misuse, NoGodObjectIsCreatedWithBadSettings) {
   const OwnedWorld world(box_soup(kHalf_m), {}, kRadius_m);
   for (const BadSetting& bad : bad_settings()) {
     HapticSettings settings = good_settings(kRadius_m);
     bad.spoil(settings);
-    const bool is_bad = check_settings(world.world(), settings.god_object).has_value();
-    GodObject god_object(world.world(), settings.god_object);
-    ASSERT_EQ(god_object.has_bad_settings(), is_bad);
+    const bool is_bad = std::string_view(bad.field).starts_with("god_object.");
+    const auto error = check_settings(world.world(), settings.god_object);
+    const auto god_object = GodObject::create(world.world(), settings.god_object);
+    ASSERT_EQ(!god_object.ok(), is_bad) << bad.field;
+    ASSERT_EQ(error.has_value(), is_bad) << bad.field;
     if (!is_bad) continue;
-    const auto before = bits_of(god_object);
-    EXPECT_FALSE(god_object.place({0, 0, 0.1}));
-    EXPECT_FALSE(god_object.place_body(0, {Quat::Identity(), Vec3(0.1, 0, 0)}));
-    const BodyMotion motion{0, {Quat::Identity(), Vec3(0.1, 0, 0)}};
-    EXPECT_EQ(god_object.move_bodies({&motion, 1}), 1u);
-    for (const Vec3& goal : {Vec3(0, 0, 0.02), Vec3(0, 0, -0.1)}) {
-      for (const ProxyState& state :
-           {god_object.move_to(goal), god_object.move_to(goal, Vec3(Vec3::UnitX())),
-            god_object.move_with_friction(goal, std::nullopt, kSticky)}) {
-        EXPECT_TRUE(state.is_refused);
-        EXPECT_FALSE(state.in_contact);
-        EXPECT_EQ(state.proxy, god_object.proxy());
-      }
-    }
-    EXPECT_TRUE(same_bits(bits_of(god_object), before)) << bad.field;
+    EXPECT_EQ("god_object." + god_object.error().element, bad.field);
+    EXPECT_EQ(god_object.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(god_object.error().to_string(), error->to_string());
   }
 }
 
@@ -296,8 +284,8 @@ TEST(Misuse, InvalidGoalsAndPosesChangeNothing) {
     const OwnedBodies bodies(
         {{box_soup(kHalf_m), {}}, {box_soup(kHalf_m), {Quat::Identity(), Vec3(0.2, 0, 0)}}},
         radius_m);
-    GodObject misused(bodies.world(), {radius_m, {}});
-    GodObject spared(bodies.world(), {radius_m, {}});
+    auto misused = test::made(GodObject::create(bodies.world(), {radius_m, {}}));
+    auto spared = test::made(GodObject::create(bodies.world(), {radius_m, {}}));
     const auto refuse_all = [&] {
       const auto before = bits_of(misused);
       for (const double bad : {kNan, kInfinity, -kInfinity, 1e200}) {

@@ -7,6 +7,7 @@
 
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -62,8 +63,8 @@ TEST(SwitchedSettings, BeforeTheFirstContactEqualThoseOfTheConstructor) {
     Random random(seed);
     const HapticSettings first = some_settings(random);
     const HapticSettings later = some_settings(random);
-    HapticLoop switched(world.world(), one_motor(), first);
-    HapticLoop fresh(world.world(), one_motor(), later);
+    auto switched = test::made(HapticLoop::create(world.world(), one_motor(), first));
+    auto fresh = test::made(HapticLoop::create(world.world(), one_motor(), later));
     const std::vector<Vec3> path = path_into_box(seed);
     const std::size_t free_ticks = 20;  // the path is at least 0.04 m outside then
     const std::size_t when = random.index(free_ticks);
@@ -92,9 +93,9 @@ TEST(SwitchedSettings, GiveInEachTickTheResultOfALoopBuiltWithThem) {
     for (int i = 0; i < 6; ++i) {
       all.push_back(some_settings(random));
       all.back().a4.enabled = false;
-      fresh.emplace_back(world.world(), one_motor(), all.back());
+      fresh.push_back(test::made(HapticLoop::create(world.world(), one_motor(), all.back())));
     }
-    HapticLoop switched(world.world(), one_motor(), all.front());
+    auto switched = test::made(HapticLoop::create(world.world(), one_motor(), all.front()));
     for (const Vec3& p : path_into_box(seed)) {
       const auto now = static_cast<std::size_t>(random.index(all.size()));
       switch_to(all[now], switched);
@@ -117,7 +118,7 @@ TEST(SwitchedSettings, A4TurnsTheSceneOnlyWhileItIsOn) {
   const ActuationModel motor = *ActuationModel::from_axes(3, {Vec3(0, 1, 0)});
   int turns = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    HapticLoop loop(world.world(), motor, {});
+    auto loop = test::made(HapticLoop::create(world.world(), motor, {}));
     int n = 0;
     for (const Vec3& p : path_into_box(seed)) {
       const bool is_on = n++ / 150 % 2 == 0;
@@ -139,8 +140,8 @@ TEST(SwitchedSettings, ChangeNoBitIfTheyStayTheSame) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Random random(seed);
     const HapticSettings settings = some_settings(random);
-    HapticLoop switched(world.world(), one_motor(), settings);
-    HapticLoop left(world.world(), one_motor(), settings);
+    auto switched = test::made(HapticLoop::create(world.world(), one_motor(), settings));
+    auto left = test::made(HapticLoop::create(world.world(), one_motor(), settings));
     for (const Vec3& p : path_into_box(seed)) {
       switch_to(settings, switched);
       ASSERT_TRUE(have_same_bits(switched.tick(p, kTick_s), left.tick(p, kTick_s)))

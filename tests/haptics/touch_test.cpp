@@ -20,6 +20,7 @@
 #include "haptics/effects/cones_of_effects.h"
 #include "haptics/haptic_loop.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
 #include "tests/helpers/worlds.h"
@@ -97,7 +98,9 @@ TouchScene made_scene(SeededRandom& random, double radius_m) {
 class Mirror {
  public:
   Mirror(const TouchScene& touched, const HapticSettings& settings, bool is_planar)
-      : world_(touched.scene.world()), is_planar_(is_planar), god_(world_, settings.god_object) {
+      : world_(touched.scene.world()),
+        is_planar_(is_planar),
+        god_(test::made(GodObject::create(world_, settings.god_object))) {
     if (!touched.has_friction) return;
     effects_ =
         std::make_unique<EffectRunner>(world_, settings.god_object, settings.coupling, false);
@@ -277,8 +280,8 @@ class RandomTouches {
     if (sensors == 2) settings.initial_pose.rotation.setIdentity();
     const ActuationModel actuation =
         *ActuationModel::from_counts(sensors, 1 + static_cast<int>(random_.index(2)));
-    HapticLoop loop(touched.scene.world(), actuation, settings);
-    HapticLoop again(touched.scene.world(), actuation, settings);
+    auto loop = test::made(HapticLoop::create(touched.scene.world(), actuation, settings));
+    auto again = test::made(HapticLoop::create(touched.scene.world(), actuation, settings));
     Mirror mirror(touched, settings, sensors == 2);
     const bool has_moving_bodies = random_.index(2) == 0;
     for (int n = 0; n < ticks && !testing::Test::HasFatalFailure(); ++n) {
@@ -497,7 +500,8 @@ class PressedPlate : public testing::Test {
  protected:
   PressedPlate()
       : world_(test::box_soup({0.05, 0.05, 0.01})),
-        loop_(world_.world(), *ActuationModel::from_counts(3, 3), {}) {}
+        loop_(test::made(
+            HapticLoop::create(world_.world(), *ActuationModel::from_counts(3, 3), {}))) {}
   const TickRecord& tick(double z_m, double dt_s = kTick_s) {
     return loop_.tick({0, 0, z_m}, dt_s);
   }

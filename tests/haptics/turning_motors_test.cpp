@@ -8,6 +8,7 @@
 
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -56,8 +57,8 @@ TEST(TurningMotors, SetBeforeTheFirstTickEqualThoseOfTheConstructor) {
     const int motors = static_cast<int>(random.index(static_cast<std::uint64_t>(sensors) + 1));
     const ActuationModel first = some_motors(random, sensors, motors);
     const ActuationModel later = some_motors(random, sensors, motors);
-    HapticLoop changed(world.world(), first, {});
-    HapticLoop fresh(world.world(), later, {});
+    auto changed = test::made(HapticLoop::create(world.world(), first, {}));
+    auto fresh = test::made(HapticLoop::create(world.world(), later, {}));
     changed.set_actuation(later);
     for (const Vec3& p : wandering_path(seed, sensors == 2)) {
       ASSERT_TRUE(same_bits(changed.tick(p, kTick_s), fresh.tick(p, kTick_s))) << "seed " << seed;
@@ -71,8 +72,8 @@ TEST(TurningMotors, ChangeNoBitIfTheModelStaysTheSame) {
     Random random(seed);
     const int motors = static_cast<int>(random.index(4));
     const ActuationModel model = some_motors(random, 3, motors);
-    HapticLoop changed(world.world(), model, {});
-    HapticLoop left(world.world(), model, {});
+    auto changed = test::made(HapticLoop::create(world.world(), model, {}));
+    auto left = test::made(HapticLoop::create(world.world(), model, {}));
     for (const Vec3& p : wandering_path(seed, false)) {
       changed.set_actuation(model);
       ASSERT_TRUE(same_bits(changed.tick(p, kTick_s), left.tick(p, kTick_s))) << "seed " << seed;
@@ -94,9 +95,9 @@ TEST(TurningMotors, GiveInEachTickTheResultOfALoopBuiltWithThem) {
     fresh.reserve(8);
     for (int i = 0; i < 8; ++i) {
       models.push_back(some_motors(random, 3, i % 4));
-      fresh.emplace_back(world.world(), models.back(), settings);
+      fresh.push_back(test::made(HapticLoop::create(world.world(), models.back(), settings)));
     }
-    HapticLoop turning(world.world(), models.front(), settings);
+    auto turning = test::made(HapticLoop::create(world.world(), models.front(), settings));
     for (const Vec3& p : wandering_path(seed, false)) {
       const auto now = static_cast<std::size_t>(random.index(models.size()));
       turning.set_actuation(models[now]);
@@ -135,8 +136,9 @@ TEST(TurningMotors, KeepTheDirectionOfAlignment) {
 
 TEST(TurningMotors, WithOtherSensedAxesAreRefusedWithAFault) {
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
-  HapticLoop changed(world.world(), *ActuationModel::from_counts(3, 1), {});
-  HapticLoop left(world.world(), *ActuationModel::from_counts(3, 1), {});
+  auto changed =
+      test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 1), {}));
+  auto left = test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 1), {}));
   for (const Vec3& p : wandering_path(3, false)) {
     const bool refused = changed.tick(p, kTick_s).tick % 7 == 3;
     TickRecord expected = left.tick(p, kTick_s);

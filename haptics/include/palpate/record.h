@@ -39,7 +39,7 @@ enum Fault : std::uint32_t {
   kFaultBadBodyPose = 1u << 5,
   kFaultNonFiniteForce = 1u << 6,  // the computed force was not finite: zero force
   kFaultFarSample = 1u << 7,       // the position is farther than farthest_sample_m(): zero force
-  kFaultBadSettings = 1u << 8,     // check_settings() found an Error: zero force in every tick
+  kFaultBadSettings = 1u << 8,     // reserved: only recordings of before have it
   kFaultInvalidSample = 1u << 9,   // the device marked the sample as invalid: zero force
   kFaultBadActuation = 1u << 10,   // new motor axes were ignored: they need other sensed axes
   // The work of magnets and media reached its limit. The nearest were computed; the force is

@@ -23,6 +23,7 @@
 #include "engine/session/haptic_session.h"
 #include "engine/session/material_tuner.h"
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -235,7 +236,7 @@ int record_changed_materials(const std::string& model, const std::string& file) 
       }
     }
   }
-  HapticLoop loop(scene->world(), setup.actuation, setup.haptics);
+  auto loop = test::made(HapticLoop::create(scene->world(), setup.actuation, setup.haptics));
   ScenicDevice device(*scene);
   HapticSession session(loop, device, {.changes = {&tuner}, .sink = recorder->get()});
   session.start();

@@ -9,6 +9,7 @@
 #include "engine/devices/vector_device.h"
 #include "engine/recording/recording_replay.h"
 #include "tests/engine/recording/scenario.h"
+#include "tests/helpers/made.h"
 
 namespace palpate {
 namespace {
@@ -36,7 +37,8 @@ struct PlateRig {
   explicit PlateRig(double delay_s = 0.0) : device(delay_s), session(loop, device) {}
 
   test::OwnedWorld world{test::box_soup({0.05, 0.05, 0.01})};
-  HapticLoop loop{world.world(), *ActuationModel::from_counts(3, 3), {}};
+  HapticLoop loop =
+      test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 3), {}));
   DelayedDevice device;
   HapticSession session;
 };

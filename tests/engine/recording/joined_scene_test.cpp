@@ -21,6 +21,7 @@
 #include "tests/engine/recording/scenario.h"
 #include "tests/helpers/generators.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -81,7 +82,7 @@ struct RecordedScene {
     auto recorder = Recorder::create(path, *meta, {.virtual_time = true});
     EXPECT_TRUE(recorder) << recorder.error().to_string();
     test::TickKeeper keeper(recorder->get());
-    HapticLoop loop(scene->world(), setup.actuation, setup.haptics);
+    auto loop = test::made(HapticLoop::create(scene->world(), setup.actuation, setup.haptics));
     HapticSession session(loop, device, {.sink = &keeper});
     EXPECT_FALSE(session.start());
     for (std::uint64_t n = 0; n < kTicks; ++n) session.tick(1e-3);

@@ -27,6 +27,7 @@
 #include "tests/engine/recording/scenario.h"
 #include "tests/engine/session/still_device.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -381,7 +382,7 @@ TEST(Recorder, RecordsARealTimeSessionThatReplays) {
   TickKeeper keeper(recorder->get());
   test::FaultyDevice device(5, 1.0 / 200);
   test::Switches switches(6, 1.0 / 50);
-  HapticLoop loop(scene.world(), setup.actuation, setup.haptics);
+  auto loop = test::made(HapticLoop::create(scene.world(), setup.actuation, setup.haptics));
   HapticSession session(loop, device, {.changes = {&switches}, .sink = &keeper});
   const auto ticks = test::in_soak_or_else<std::uint64_t>(60'000, 3'000);
   keeper.rows.reserve(ticks);

@@ -24,6 +24,7 @@
 #include "engine/session/material_tuner.h"
 #include "engine/session/node_motions.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -277,7 +278,7 @@ class Scenario {
       ASSERT_TRUE(handle) << handle.error().to_string();
       handles.push_back(*handle);
     }
-    HapticLoop loop(scene_.world(), setup_.actuation, setup_.haptics);
+    auto loop = test::made(HapticLoop::create(scene_.world(), setup_.actuation, setup_.haptics));
     HapticSession session(
         loop, device, {.changes = {&tuner, &nodes, &switches}, .max_force_N = 2.2, .sink = sink});
     ASSERT_FALSE(session.start());

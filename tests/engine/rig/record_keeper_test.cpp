@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics/haptic_loop.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -29,7 +30,7 @@ TickRecord record_of(std::uint64_t tick, std::int64_t step_ns, double x_m) {
 }
 
 HapticLoop any_loop(const ContactWorld& world) {
-  return HapticLoop(world, *ActuationModel::from_counts(3, 3), {});
+  return test::made(HapticLoop::create(world, *ActuationModel::from_counts(3, 3), {}));
 }
 
 TEST(RecordKeeper, KeepsTheFirstPassWithTheShortestTimeOfEachTick) {

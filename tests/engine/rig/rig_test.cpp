@@ -16,6 +16,7 @@
 #include "engine/rig/replay.h"
 #include "haptics/check_settings.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -93,7 +94,7 @@ TEST(Rig, GivesTheBitsOfItsPartsPutTogetherByHand) {
     PathDevice by_hand_device(c.path_m);
     auto motions = SteadyMotions::create(scene, c.setup.moves);
     ASSERT_TRUE(motions.ok());
-    HapticLoop loop(scene.world(), c.setup.actuation, c.setup.haptics);
+    auto loop = test::made(HapticLoop::create(scene.world(), c.setup.actuation, c.setup.haptics));
     Records by_hand;
     HapticSession session(
         loop, by_hand_device,

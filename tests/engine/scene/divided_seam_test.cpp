@@ -15,6 +15,7 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 
@@ -168,8 +169,10 @@ TEST(DividedSeam, ForcesOfAMapAreThoseOfAnUndividedSeam) {
           compiled(divided_seam(again, are_nodes, Mat3::Identity(), uv_of), undivided);
       divided += divided_edges(scene);
       ASSERT_EQ(divided_edges(twin), 0u);
-      HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
-      HapticLoop other(twin.world(), *ActuationModel::from_counts(3, 3), {});
+      auto loop =
+          test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
+      auto other =
+          test::made(HapticLoop::create(twin.world(), *ActuationModel::from_counts(3, 3), {}));
       for (int press = 0; press < 60; ++press) {
         const double y =
             (random.index(2) ? 1.0 : -1.0) * std::pow(10.0, random.uniform(-6.0, -0.5));

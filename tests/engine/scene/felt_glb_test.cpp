@@ -15,6 +15,7 @@
 #include "engine/scene/scene.h"
 #include "haptics/haptic_loop.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 
 namespace palpate::test {
@@ -147,7 +148,7 @@ TEST(FeltGlb, NamesEachBodyAndItsPlace) {
   ASSERT_TRUE(felt);
   const nlohmann::json json = json_of(felt->bytes);
   const ActuationModel motors = *ActuationModel::from_counts(3, 3);
-  const HapticLoop loop(scene->world(), motors, {});
+  const auto loop = test::made(HapticLoop::create(scene->world(), motors, {}));
   ASSERT_EQ(json["nodes"].size(), scene->objects().size());
   for (std::size_t body = 0; body < scene->objects().size(); ++body) {
     const nlohmann::json& node = json["nodes"][body];

@@ -20,6 +20,7 @@
 #include "haptics/proxy/live_world.h"
 #include "tests/helpers/compiled_scene.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
@@ -323,8 +324,8 @@ class FlushHand {
         twin_scene_(twin),
         bound_(bound),
         radius_(radius),
-        god_(scene.world(), {radius * writing.unit_m}),
-        twin_(twin.world(), {radius}) {}
+        god_(test::made(GodObject::create(scene.world(), {radius * writing.unit_m}))),
+        twin_(test::made(GodObject::create(twin.world(), {radius}))) {}
 
   void stroke(Findings& sum) {
     if (!aim()) return;
@@ -685,7 +686,7 @@ TEST(FlushNodes, LetAPointFollowASeamInEveryTick) {
     const SeamOfBoxes seam(random);
     const double depth = random.uniform(0.01, 1.0);
     const double step = seam.length * std::pow(2.0, -random.uniform(4.0, 9.0));
-    GodObject god(seam.world(), {});
+    auto god = test::made(GodObject::create(seam.world(), {}));
     double way = 0.2 * seam.length;
     god.place(seam.at(way, 1.0));
     for (int tick = 0; tick < 60; ++tick) {
@@ -718,7 +719,7 @@ TEST(FlushNodes, LetAPointSlideAlongASeam) {
     const double step = seam.length * std::pow(2.0, -random.uniform(5.0, 9.0));
     const double beside = random.index(2) == 0 ? 0.0 : std::pow(10.0, random.uniform(-16.0, -6.0));
     const bool is_slow = n % 3 == 0;  // once it slides, the hand may crawl
-    GodObject god(seam.world(), {});
+    auto god = test::made(GodObject::create(seam.world(), {}));
     test::SameCone cone({mu_s, mu_k});
     double way = 0.1 * seam.length;
     const Vec3 out = (seam.at(way, 1.0) - seam.at(way, 0.0)).normalized();
@@ -772,7 +773,7 @@ TEST(FlushNodes, HoldAPressAtEverySeamOfInstancesWithFloatTranslations) {
     }
     const Scene scene = compiled(std::move(description));
     for (int i = 0; i < 4; ++i) {
-      GodObject god(scene.world(), {});
+      auto god = test::made(GodObject::create(scene.world(), {}));
       const double x = (i + 0.5) * step;
       god.place(scene.world().to_solver({x, 0, 0.6 * step}));
       for (const double z : {0.52, 0.2, 0.0}) {

@@ -23,6 +23,7 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -78,7 +79,8 @@ void expect_refused(SceneDescription description, const std::vector<std::string>
 HapticLoop loop_in(const Scene& scene) {
   HapticSettings settings;
   settings.coupling = {1000.0, 0.0};
-  return HapticLoop(scene.world(), *ActuationModel::from_counts(3, 3), settings);
+  return test::made(
+      HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), settings));
 }
 
 // The force after the device moved along a straight line from one point to another.

@@ -12,6 +12,7 @@
 #include "haptics/haptic_loop.h"
 #include "tests/helpers/compiled_scene.h"
 #include "tests/helpers/generators.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -48,8 +49,8 @@ void expect_same_forces(const Scene& scene, const Scene& twin, Random& random) {
   const double size_m = extent_m(scene);
   const Vec3 centre =
       0.5 * (scene.statistics().bounds_scene.low + scene.statistics().bounds_scene.high);
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
-  HapticLoop other(twin.world(), *ActuationModel::from_counts(3, 3), {});
+  auto loop = test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
+  auto other = test::made(HapticLoop::create(twin.world(), *ActuationModel::from_counts(3, 3), {}));
   int contacts = 0;
   for (int way = 0; way < 8; ++way) {
     const Vec3 axes[] = {Vec3::UnitX(),  -Vec3::UnitX(), Vec3::UnitZ(),

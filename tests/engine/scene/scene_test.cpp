@@ -16,6 +16,7 @@
 #include "haptics/record_vectors.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -492,7 +493,8 @@ TEST(Scene, GivesEqualForcesFarAwayAndNearby) {
     HapticSettings settings;
     settings.a4.enabled = false;
     settings.initial_pose.translation_m = -there;
-    HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 3), settings);
+    auto loop = test::made(
+        HapticLoop::create(scene->world(), *ActuationModel::from_counts(3, 3), settings));
     loop.tick({0.6, 0.01, 0.02}, 1e-3);
     const TickRecord& r = loop.tick({0.499, 0.01, 0.02}, 1e-3);
     ASSERT_TRUE(r.contact);

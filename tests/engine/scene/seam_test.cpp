@@ -15,6 +15,7 @@
 #include "haptics/proxy/live_world.h"
 #include "tests/engine/scene/seam_bodies.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
 #include "tests/helpers/worlds.h"
@@ -89,7 +90,7 @@ class SeamHand {
         body_(body),
         judge_(body, scene.world().anchor_scene_m),
         aim_(body, scene.world().anchor_scene_m),
-        god_(world, {}),
+        god_(test::made(GodObject::create(world, {}))),
         middle_((body.middle_m - scene.world().anchor_scene_m.cast<long double>()).cast<double>()) {
     begin();
   }
@@ -577,8 +578,8 @@ TEST(Seams, ChangeNothingForASphere) {
     const ContactWorld world = without_corners(scene.world());
     GodObjectSettings sphere;
     sphere.radius_m = radius_m;
-    GodObject with(scene.world(), sphere);
-    GodObject without(world, sphere);
+    auto with = test::made(GodObject::create(scene.world(), sphere));
+    auto without = test::made(GodObject::create(world, sphere));
     const Vec3 middle =
         (body.middle_m - scene.world().anchor_scene_m.cast<long double>()).cast<double>();
     with.place(middle);

@@ -23,6 +23,7 @@
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
 
@@ -290,7 +291,7 @@ void expect_no_leaks(bool is_sphere, int ticks_per_kind) {
       const ContactWorld& world = judged.scene.world();
       const ContactBody& body = world.bodies[0];
       const ExactJudge own(decided_triangles(body));
-      GodObject god_object(world, {.radius_m = radius_m});
+      auto god_object = test::made(GodObject::create(world, {.radius_m = radius_m}));
       Vec3 start;
       do {
         start = random.in_box(0.2 + 2 * radius_m);
@@ -442,8 +443,8 @@ Differences compare(const SceneDescription& description, const Scene& shared, co
   for (int tick = 0; tick < ticks; ++tick) {
     if (strokes.begins()) {
       strokes.begin();
-      loop_shared.emplace(shared.world(), *actuation, settings);
-      loop_alone.emplace(alone.world(), *actuation, settings);
+      loop_shared = test::made(HapticLoop::create(shared.world(), *actuation, settings));
+      loop_alone = test::made(HapticLoop::create(alone.world(), *actuation, settings));
     }
     if (mover_shared) mover_shared->move_bodies(1e-3 * tick, *loop_shared);
     if (mover_alone) mover_alone->move_bodies(1e-3 * tick, *loop_alone);
@@ -684,7 +685,7 @@ TEST(SharedIndex, AcceptsScalesOfAnySize) {
     }
     const double radius_m = is_sphere ? size * 1e-3 : 0.0;
     const Scene scene = compiled_for_proxy(description, radius_m);
-    GodObject god_object(scene.world(), {.radius_m = radius_m});
+    auto god_object = test::made(GodObject::create(scene.world(), {.radius_m = radius_m}));
     const auto start = scene.world().to_solver(size * Vec3(5, -3, 3.5));
     god_object.place(start);
     const auto goal = scene.world().to_solver(size * Vec3(5, -3, 2));

@@ -38,6 +38,7 @@
 #include "haptics/record_vectors.h"
 #include "tests/helpers/all_effects.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -392,8 +393,8 @@ TEST_P(SilentTick, NeitherAllocatesNorLocksAtAnyStageOfATouch) {
   if (stage.strategy) set_strategy(*parse_strategy(stage.strategy), settings);
   if (stage.radius_m > 0.0) settings.coupling.velocity = {VelocityMethod::kAdaptive, 63, 2e-5};
   const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 1);
-  HapticLoop loop(scene->world(), *ActuationModel::from_counts(stage.sensors, stage.actuators),
-                  settings);
+  auto loop = test::made(HapticLoop::create(
+      scene->world(), *ActuationModel::from_counts(stage.sensors, stage.actuators), settings));
   PlayedDevice device(path);
   SummingObserver observer;
   HapticSession session(loop, device, {.observers = {&observer}});
@@ -439,7 +440,8 @@ INSTANTIATE_TEST_SUITE_P(AllStages, SilentTick,
 // ---- the simulated hand runs on the same thread ------------------------------------------------
 
 void expect_silent_hand(const Scene& scene, HandPlan& plan, const Vec3& start_m, int sensors) {
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(sensors, 1), {});
+  auto loop =
+      test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(sensors, 1), {}));
   SimulatedDevice device({}, plan, start_m, {}, sensors == 2);
   HapticSession session(loop, device, {.observers = {&device}});
   session.start();
@@ -499,7 +501,8 @@ TEST(SilentBodies, AreFoundAndMovedWithoutAllocating) {
   std::vector<std::size_t> handles;
   for (int b = 0; b < 400; b += 40) handles.push_back(*motions.add("box " + std::to_string(b)));
   const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 3);
-  HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 1), {});
+  auto loop =
+      test::made(HapticLoop::create(scene->world(), *ActuationModel::from_counts(3, 1), {}));
   PlayedDevice device(path);
   SummingObserver observer;
   HapticSession session(loop, device, {.changes = {&motions}, .observers = {&observer}});
@@ -535,7 +538,8 @@ TEST(SilentBodies, AreJudgedWhereTheyMeetWithoutAllocating) {
   ASSERT_TRUE(scene);
   ASSERT_EQ(scene->statistics().seam_places, 8u);
   const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 3);
-  HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 1), {});
+  auto loop =
+      test::made(HapticLoop::create(scene->world(), *ActuationModel::from_counts(3, 1), {}));
   PlayedDevice device(path);
   SummingObserver observer;
   HapticSession session(loop, device, {.observers = {&observer}});
@@ -595,7 +599,7 @@ TEST(SilentView, PublishesTicksAndTakesChangesWithoutAllocating) {
   SimulatedDevice simulated({}, plan, middle, {}, false);
   LiveSettings live(*scene, setup);
   HeldDevice held(simulated, live);
-  HapticLoop loop(scene->world(), setup.actuation, setup.haptics);
+  auto loop = test::made(HapticLoop::create(scene->world(), setup.actuation, setup.haptics));
   StatePublisher publisher(loop, &plan, scene->objects().size());
   HapticSession session(
       loop, held,
@@ -626,7 +630,8 @@ TEST(SilentThread, NeitherAllocatesNorLocksOnceItHasStarted) {
   const auto scene = Scene::load(PALPATE_MODELS_DIR "/torus.glb");
   ASSERT_TRUE(scene);
   const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 2);
-  HapticLoop loop(scene->world(), *ActuationModel::from_counts(3, 1), {});
+  auto loop =
+      test::made(HapticLoop::create(scene->world(), *ActuationModel::from_counts(3, 1), {}));
   PlayedDevice device(path);
   SummingObserver observer;
   HapticSession session(loop, device, {.observers = {&observer}});
@@ -658,7 +663,7 @@ TEST(SilentRecording, NeitherAllocatesNorLocksInATick) {
   auto recorder = Recorder::create(folder.path("a.palpate"), *meta, {});
   ASSERT_TRUE(recorder);
   const std::vector<Vec3> path = eventful_path(scene->statistics().extent_m, 2);
-  HapticLoop loop(scene->world(), setup.actuation, setup.haptics);
+  auto loop = test::made(HapticLoop::create(scene->world(), setup.actuation, setup.haptics));
   PlayedDevice device(path);
   auto mover = SteadyMotions::create(
       *scene, {{scene->tree().front().name, Vec3(1e-4, 0, 0), Vec3(0, 0, 1e-3)}});

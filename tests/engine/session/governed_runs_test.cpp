@@ -19,6 +19,7 @@
 #include "engine/simulation/exploration.h"
 #include "haptics/record_vectors.h"
 #include "tests/engine/devices/hapi_rig.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -172,8 +173,8 @@ TEST(GovernedRuns, AfterItsStartADeviceWithMotorsGetsTheBitsOfTheLoopAlone) {
     settings.coupling.stiffness_N_per_m = random.uniform(4.0, 10.0);
     settings.a4.enabled = random.index(2) == 0;
     const ActuationModel actuation = *ActuationModel::from_axes(sensors, motors);
-    HapticLoop governed(world.world(), actuation, settings);
-    HapticLoop alone(world.world(), actuation, settings);
+    auto governed = test::made(HapticLoop::create(world.world(), actuation, settings));
+    auto alone = test::made(HapticLoop::create(world.world(), actuation, settings));
     WanderingDevice device(random, sensors, motors);
     LastRecord last;
     HapticSession session(governed, device, {.observers = {&last}});
@@ -253,8 +254,10 @@ TEST(GovernedRuns, AfterItsStartABoardGetsTheTorquesOfTheLoopAlone) {
     HapticSettings settings;
     settings.coupling.stiffness_N_per_m = random.uniform(100.0, 400.0);
     settings.a4.enabled = false;
-    HapticLoop governed(world.world(), actuation_of(device.motors_now()), settings);
-    HapticLoop alone(world.world(), actuation_of(device.motors_now()), settings);
+    auto governed =
+        test::made(HapticLoop::create(world.world(), actuation_of(device.motors_now()), settings));
+    auto alone =
+        test::made(HapticLoop::create(world.world(), actuation_of(device.motors_now()), settings));
     LastRecord last;
     HapticSession session(governed, device, {.observers = {&last}});
     ASSERT_FALSE(session.start());

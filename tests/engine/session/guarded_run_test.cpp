@@ -21,6 +21,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/devices/monotonic_clock.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -98,7 +99,7 @@ class PipeDevice final : public GuardableDevice {
 struct GuardedRig {
   GuardedRig()
       : world(test::box_soup(Vec3::Constant(0.1))),
-        loop(world.world(), *ActuationModel::from_counts(3, 3), {}),
+        loop(test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 3), {}))),
         session(loop, device) {
     settings.without_realtime = true;  // the tests run where SCHED_FIFO is refused as well
   }

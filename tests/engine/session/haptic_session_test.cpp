@@ -27,6 +27,7 @@
 #include "engine/devices/path_device.h"
 #include "engine/session/haptic_thread.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
@@ -110,7 +111,8 @@ class LoggingDevice final : public Device {
 struct SessionRig {
   explicit SessionRig(Log& log, SessionParts parts = {})
       : world(test::box_soup(Vec3::Constant(kHalf_m))),
-        loop(world.world(), *ActuationModel::from_counts(3, 3), settings()),
+        loop(test::made(
+            HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 3), settings()))),
         device(log),
         session(loop, device, std::move(parts)) {}
   static HapticSettings settings() {
@@ -228,7 +230,8 @@ class TripLogger final : public TickObserver {
 struct MotorRig {
   explicit MotorRig(SessionParts parts = {})
       : world(test::box_soup(Vec3::Constant(kHalf_m))),
-        loop(world.world(), *ActuationModel::from_counts(3, 3), SessionRig::settings()),
+        loop(test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 3),
+                                           SessionRig::settings()))),
         session(loop, device, with(std::move(parts), trips)) {
     session.start();
   }

@@ -17,6 +17,7 @@
 #include "engine/devices/vector_device.h"
 #include "engine/session/haptic_session.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -72,7 +73,8 @@ std::vector<Vec3> pressing_path(std::size_t ticks) {
 struct ThreadRig {
   explicit ThreadRig(std::vector<Vec3> path)
       : world(test::box_soup(Vec3::Constant(0.1))),
-        loop(world.world(), *ActuationModel::from_counts(3, 3), settings()),
+        loop(test::made(
+            HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 3), settings()))),
         device(std::move(path)),
         session(loop, device, {.observers = {&observer}}) {}
 
@@ -289,7 +291,8 @@ TEST(HapticSession, PublishesThePoseToDisplay) {
   const test::OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
   HapticSettings settings;
   settings.initial_pose.rotation = Quat(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
-  HapticLoop loop(world.world(), *ActuationModel::from_counts(3, 1), settings);
+  auto loop =
+      test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 1), settings));
   const auto at = [&](double x) { return settings.initial_pose.point({x, 0.0, 0.0}); };
   PlayedDevice device({at(0.11), at(0.099), at(0.098), at(0.097)});
   KeptRecords kept;

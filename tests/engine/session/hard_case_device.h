@@ -12,6 +12,7 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/hard_case_proxy.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 
@@ -103,7 +104,7 @@ class JudgedLoop {
              const HapticSettings& settings)
       : world_(&world.world()),
         planar_(actuation.is_planar()),
-        loop_(world.world(), actuation, settings),
+        loop_(test::made(HapticLoop::create(world.world(), actuation, settings))),
         proxy_(world, settings.god_object.radius_m) {}
 
   const TickRecord& tick(const Vec3& p_device_m, double dt_s) {

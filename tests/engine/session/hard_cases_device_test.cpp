@@ -13,6 +13,7 @@
 #include "haptics/record_vectors.h"
 #include "tests/engine/session/hard_case_device.h"
 #include "tests/helpers/hard_case_shapes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/ticks.h"
 
 namespace palpate {
@@ -381,7 +382,8 @@ TEST(HardCaseBadInputExtremes, AreTakenAndTheSideIsKept) {
 TEST(HardCaseBadInputExtremes, DoNoHarmHoweverLarge) {
   Random random(315);
   const OwnedWorld world(test::paper_object_soup(paper_objects().front()));
-  HapticLoop loop(world.world(), device(3, 1), settings(1000.0, 2.0, true));
+  auto loop =
+      test::made(HapticLoop::create(world.world(), device(3, 1), settings(1000.0, 2.0, true)));
   for (int n = 0; n < trials(20000); ++n) {
     const double reach_m = std::pow(10.0, random.uniform(-3.0, 150.0));
     const TickRecord& record = loop.tick(reach_m * random.unit_vector(), kTick_s);

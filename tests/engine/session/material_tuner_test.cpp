@@ -13,6 +13,7 @@
 #include "engine/session/node_motions.h"
 #include "haptics/record_vectors.h"
 #include "tests/engine/session/still_device.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
 
@@ -114,7 +115,8 @@ TEST(MaterialTuner, ChangesWhatIsFeltFromTheNextTickOn) {
   ASSERT_TRUE(stiffness && force);
   EXPECT_FALSE(tuner.set(*force, 0.0));
   for (const double x : {0.0, 5.0}) {  // both bodies of the material
-    HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+    auto loop =
+        test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
     StillDevice device(kPressing_m);
     MaterialTuner own(scene);
     const auto k = own.add("wood", "stiffness");
@@ -145,7 +147,7 @@ TEST(MaterialTuner, TakesLengthsInTheUnitOfTheFile) {
   const auto range = tuner.add("wood", "magnetRange");
   const auto force = tuner.add("wood", "magnetForce");
   ASSERT_TRUE(range && force);
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  auto loop = test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
   StillDevice device(kPressing_m);
   HapticSession session(loop, device, {.changes = {&tuner}});
   session.start();
@@ -165,7 +167,7 @@ TEST(MaterialTuner, ReachesARunningHapticThread) {
   ASSERT_TRUE(stiffness && force);
   EXPECT_FALSE(tuner.set(*force, 0.0));
   StillDevice device(kPressing_m);
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  auto loop = test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
   HapticSession session(loop, device, {.changes = {&tuner}});
   session.start();
   device.position_m = {0, 0, 1.1};

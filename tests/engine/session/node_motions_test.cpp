@@ -15,6 +15,7 @@
 #include "haptics/record_vectors.h"
 #include "tests/engine/session/still_device.h"
 #include "tests/helpers/compiled_scene.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -139,13 +140,14 @@ TEST(NodeMotions, TakeEverythingBelowANodeAlongAndNothingElse) {
   const Vec3 over_finger(1.3, 0, 0.03);
   const Vec3 over_arm(1.0, 0, 0.03);
   const auto touched_at = [&](const Vec3& start, const Vec3& end) {
-    HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+    auto loop =
+        test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
     motions.move_bodies(0.0, loop);
     loop.tick(start, kTick_s);
     return loop.tick(end, kTick_s);
   };
   motions.set(*hand, shifted({0, 0, 0.1}));
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  auto loop = test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
   motions.move_bodies(0.0, loop);
   loop.tick(over_finger + Vec3(0, 0, 0.2), kTick_s);
   EXPECT_NEAR(vec3(loop.tick(over_finger, kTick_s).proxy_scene_m).z(), 0.12, 1e-9);
@@ -165,7 +167,8 @@ TEST(NodeMotions, OfANodeBelowAnotherComeOnTop) {
     const RigidTransform T_finger = random.pose(0.05);
     motions.set(*finger, T_finger);
     motions.set(*arm, T_arm);
-    HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+    auto loop =
+        test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
     motions.move_bodies(0.0, loop);
     // A box of 0.04 m is where the two motions put it: seen along any axis of its own.
     const auto place = [&](const Vec3& p) {
@@ -208,7 +211,7 @@ TEST(SteadyMotions, TurnAboutTheNodesOwnOrigin) {
   const double rate = 2.0;
   auto mover = SteadyMotions::create(scene, {{"hand", Vec3(0, 0, 0.1), Vec3(0, 0, rate)}});
   ASSERT_TRUE(mover);
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  auto loop = test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
   mover->move_bodies(0.5, loop);  // 1 rad, 5 cm up
   // The finger, a box 0.1 m beside the hand, is where it has been turned to.
   const Vec3 finger = Vec3(1.2, 0, 0.05) + 0.1 * Vec3(std::cos(1.0), std::sin(1.0), 0);
@@ -223,7 +226,7 @@ TEST(NodeMotions, KeepTheLastPoseWhileWhatIsSetIsNone) {
   const auto finger = motions.add("finger");
   StillDevice device(Vec3(0, 0, 5));
   LastRecord record;
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  auto loop = test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
   HapticSession session(loop, device, {.changes = {&motions}, .observers = {&record}});
   session.start();
   session.tick(kTick_s);
@@ -249,7 +252,7 @@ TEST(SteadyMotions, GoOnAfterABadTimeStep) {
   auto mover = SteadyMotions::create(scene, {{"arm", Vec3(0, 0, 0.1), Vec3::Zero()}});
   StillDevice device(Vec3(0, 0, 5));
   LastRecord record;
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  auto loop = test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
   HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&record}});
   session.start();
   session.tick(kTick_s);
@@ -274,7 +277,8 @@ TEST(SteadyMotions, GiveTheSameBitsEveryTime) {
     auto mover = SteadyMotions::create(scene, {{"arm", Vec3(0, 0, -0.3), Vec3(0.1, 1.0, 0.2)}});
     StillDevice device(Vec3(1.3, 0.001, -0.05));
     LastRecord record;
-    HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 2), {});
+    auto loop =
+        test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 2), {}));
     HapticSession session(loop, device, {.changes = {&*mover}, .observers = {&record}});
     session.start();
     bool was_touched = false;
@@ -299,7 +303,7 @@ TEST(NodeMotions, ReachARunningHapticThread) {
   ASSERT_TRUE(floor);
   StillDevice device(Vec3(0, 0, -0.89));
   LastRecord record;
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(3, 3), {});
+  auto loop = test::made(HapticLoop::create(scene.world(), *ActuationModel::from_counts(3, 3), {}));
   HapticSession session(loop, device, {.changes = {&motions}, .observers = {&record}});
   HapticThread thread(session, {2000.0, 0});
   thread.start();

@@ -16,6 +16,7 @@
 #include "tests/engine/recording/scenario.h"
 #include "tests/helpers/compiled_scene.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -72,7 +73,7 @@ struct Felt {
     setup.dt_s = kTick_s;
     setup.virtual_time = true;
     before.push_back(&start);
-    loop.emplace(felt.world(), setup.actuation, setup.haptics);
+    loop = test::made(HapticLoop::create(felt.world(), setup.actuation, setup.haptics));
     session.emplace(*loop, hand, SessionParts{.changes = std::move(before), .sink = sink});
   }
   void begin() { EXPECT_FALSE(session->start()); }

@@ -19,6 +19,7 @@
 
 #include "engine/rig/replay.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate {
@@ -598,8 +599,8 @@ TEST(CameraMetaphor, ChangesTheDisplayButNotTheTrace) {
   ASSERT_TRUE(setup);
   setup->haptics.a4.enabled = true;
   std::array<HapticLoop, 2> loops{
-      HapticLoop(model("star").world(), setup->actuation, setup->haptics),
-      HapticLoop(model("star").world(), setup->actuation, setup->haptics)};
+      test::made(HapticLoop::create(model("star").world(), setup->actuation, setup->haptics)),
+      test::made(HapticLoop::create(model("star").world(), setup->actuation, setup->haptics))};
   const std::array modes{DisplayMode::kClassical, DisplayMode::kCamera};
   for (const TickRecord& played : run.records) {
     std::array<RigidTransform, 2> shown;

@@ -18,6 +18,7 @@
 #include "engine/viewer/held_device.h"
 #include "engine/viewer/page_settings.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/made.h"
 
 namespace palpate::test {
 namespace {
@@ -84,7 +85,7 @@ struct Rig {
         simulated(quiet_plant(setup), plan, {-0.12, 0.02, 0.0}, setup.haptics.initial_pose,
                   setup.actuation.is_planar()),
         held(simulated, live),
-        loop(star().world(), setup.actuation, setup.haptics),
+        loop(test::made(HapticLoop::create(star().world(), setup.actuation, setup.haptics))),
         session(loop, held,
                 {.changes = {&live}, .observers = {&records, &simulated}, .takes_motors = false}) {
     session.start();
@@ -175,7 +176,7 @@ class Inputs final : public TickSink {
 TEST(LiveSettings, GiveARecordingWhatChangedAndNoMore) {
   const RunSetup setup = made_setup(planar_settings());
   LiveSettings live(star(), setup);
-  HapticLoop loop(star().world(), setup.actuation, setup.haptics);
+  auto loop = test::made(HapticLoop::create(star().world(), setup.actuation, setup.haptics));
   Inputs inputs;
   const auto tick = [&] { live.before_tick(0.0, LoopChanges(loop, &inputs)); };
   for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
@@ -265,7 +266,7 @@ TEST(LiveSettings, MotorsFollowTheAxesFromTickToTick) {
 TEST(LiveSettings, GiveMotorsOnlyWhenAxesOrForceChange) {
   const RunSetup setup = made_setup(planar_settings());
   LiveSettings live(star(), setup);
-  HapticLoop loop(star().world(), setup.actuation, setup.haptics);
+  auto loop = test::made(HapticLoop::create(star().world(), setup.actuation, setup.haptics));
   const auto motors = [&] {
     live.take();
     const std::size_t count = live.motors().size();
@@ -414,7 +415,8 @@ TEST(PageSettings, MaterialReachesTheHapticThread) {
     if (candidate.find("/dynamicFriction") != std::string::npos) name = candidate;
   }
   ASSERT_FALSE(name.empty());
-  HapticLoop loop(scene.world(), *ActuationModel::from_counts(2, 1), HapticSettings());
+  auto loop = test::made(
+      HapticLoop::create(scene.world(), *ActuationModel::from_counts(2, 1), HapticSettings()));
   const auto use = [&] { tuner.before_tick(0.0, LoopChanges(loop)); };
   EXPECT_FALSE(tuner.is_pending());
   ASSERT_FALSE(page.set(name, 0.125));

@@ -24,6 +24,7 @@
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/friction_judge.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/mesh_soup.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
@@ -246,8 +247,8 @@ class World {
       T_device_scene_ = random.pose(0.5);
     }
     settings.initial_pose = T_device_scene_;
-    loop_.emplace(bodies_->world(), ActuationModel::from_counts(sensors, sensors).value(),
-                  settings);
+    loop_ = test::made(HapticLoop::create(
+        bodies_->world(), ActuationModel::from_counts(sensors, sensors).value(), settings));
     place_faces();
   }
 

@@ -13,6 +13,7 @@
 #include "tests/haptics/three_axes.h"
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
@@ -60,7 +61,8 @@ class PlaneHand {
   PlaneHand(const RigidTransform& pose, double mu_s, double mu_k, double damping = 0.0)
       : pose_(pose), world_(plane_soup(), pose) {
     world_.set_effects(with_friction(mu_s, mu_k));
-    loop_.emplace(world_.world(), three_axes(), hand_settings(kStiffness_N_per_m, damping));
+    loop_ = test::made(HapticLoop::create(world_.world(), three_axes(),
+                                          hand_settings(kStiffness_N_per_m, damping)));
   }
 
   const TickRecord& go_to(const Vec3& p_plane) {
@@ -193,7 +195,7 @@ TEST(Friction, ForcesKeepTheRatioWithAnyDamping) {
 template <typename Tremor>
 void expect_no_drift(const OwnedWorld& world, const Vec3& above, const Vec3& pressed, int ticks,
                      Tremor tremor) {
-  HapticLoop loop(world.world(), three_axes(), hand_settings());
+  auto loop = test::made(HapticLoop::create(world.world(), three_axes(), hand_settings()));
   loop.tick(above, kTick_s);
   for (int i = 1; i <= 20; ++i) loop.tick(above + i / 20.0 * (pressed - above), kTick_s);
   const Vec3 rest = vec3(loop.tick(pressed, kTick_s).proxy_scene_m);
@@ -273,7 +275,8 @@ TEST(Friction, KeepsItsPlaceInTheSceneWhileA4Turns) {
   s.a4.enabled = true;
   s.initial_pose.rotation = Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY());
   const Vec3 normal_device = s.initial_pose.rotation * Vec3::UnitZ();
-  HapticLoop loop(world.world(), ActuationModel::from_counts(3, 1).value(), s);
+  auto loop =
+      test::made(HapticLoop::create(world.world(), ActuationModel::from_counts(3, 1).value(), s));
   loop.tick(0.001 * normal_device, kTick_s);
   const Vec3 pressed = -0.002 * normal_device;
   const Vec3 rest = vec3(loop.tick(pressed, kTick_s).proxy_scene_m);
@@ -296,7 +299,7 @@ TEST(Friction, KeepsTheEnergyCertificate) {
       world.set_effects(with_friction(0.7, 0.5));
       HapticSettings s = hand_settings();
       s.god_object.radius_m = radius_m;
-      HapticLoop loop(world.world(), three_axes(), s);
+      auto loop = test::made(HapticLoop::create(world.world(), three_axes(), s));
       Vec3 goal(0.09, 0, 0);
       loop.tick(goal, kTick_s);
       double released_J = 0.0;  // sum F . dx
@@ -331,7 +334,7 @@ TEST(Friction, CarriesTheHandWithAMovingPlate) {
     const RigidTransform pose = random.pose(0.1);
     OwnedBodies bodies({{plane_soup(), pose}});
     bodies.set_effects(with_friction(5.0, 5.0));
-    HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+    auto loop = test::made(HapticLoop::create(bodies.world(), three_axes(), hand_settings()));
     loop.tick(pose.point({0.02, 0, 0.001}), kTick_s);
     const Vec3 goal = pose.point({0.02, 0, -0.004});
     loop.tick(goal, kTick_s);
@@ -359,7 +362,7 @@ TEST(Friction, DoesNotCarryTheProxyWithAFrictionlessWall) {
   effects.add_body({test::effect_entry<FrictionEffect>({0.5, 0.4, nullptr})});
   effects.add_body_without_effects();
   bodies.set_effects(effects.finish());
-  HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+  auto loop = test::made(HapticLoop::create(bodies.world(), three_axes(), hand_settings()));
   loop.tick({0.01, 0, 0.01}, kTick_s);
   const Vec3 pressed(-0.001, 0, -0.001);
   loop.tick(pressed, kTick_s);
@@ -377,7 +380,7 @@ TEST(Friction, DoesNotCarryTheProxyWithAFrictionlessWall) {
 TEST(Friction, HoldsInAMovingGroove) {
   OwnedBodies bodies({{groove_soup(0.25 * std::numbers::pi), {}}});
   bodies.set_effects(with_friction(0.8, 0.2));
-  HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+  auto loop = test::made(HapticLoop::create(bodies.world(), three_axes(), hand_settings()));
   loop.tick({0, 0, 0.002}, kTick_s);
   loop.tick({0, 0, -0.002}, kTick_s);
   const double depth = 0.002;

@@ -19,6 +19,7 @@
 #include "tests/haptics/three_axes.h"
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
@@ -91,7 +92,7 @@ class PlateHand {
     plate_.set_effects(with_friction(slide.mu_s, slide.mu_k));
     HapticSettings s = hand_settings(kStiffness_N_per_m, slide.damping);
     s.initial_pose = T_device_scene_;
-    loop_.emplace(plate_.world(), three_axes(), s);
+    loop_ = test::made(HapticLoop::create(plate_.world(), three_axes(), s));
   }
 
   // Moves to this place in the plate's plane, pressing. The first call arrives from above.
@@ -433,7 +434,7 @@ TEST(SlidingFriction, EndsWithPlaceAndEndFrictionOfTheGodObject) {
   test::SameCone cone({0.8, 0.4});
   const FrictionSource source{cone};
   constexpr double kDepth_m = 1e-3;
-  GodObject god_object(world.world(), {});
+  auto god_object = test::made(GodObject::create(world.world(), {}));
   const auto go_to = [&](double x_m) {
     return god_object.move_with_friction({x_m, 0, -kDepth_m}, std::nullopt, source);
   };
@@ -478,7 +479,7 @@ TEST(SlidingFriction, ContinuesAcrossMaterials) {
     }
     OwnedBodies bodies(placed);
     bodies.set_effects(effects.finish());
-    HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+    auto loop = test::made(HapticLoop::create(bodies.world(), three_axes(), hand_settings()));
     loop.tick(pose.point({0.01, 0, 1e-3}), kTick_s);
     const double step_m = random.uniform(2e-5, 1e-3);
     bool has_slipped = false;
@@ -521,7 +522,7 @@ TEST(SlidingFriction, ContinuesAlongAGroove) {
     const RigidTransform pose = random.pose(0.5);
     OwnedWorld world(groove, pose);
     world.set_effects(with_friction(mu_s, mu_k));
-    HapticLoop loop(world.world(), three_axes(), hand_settings());
+    auto loop = test::made(HapticLoop::create(world.world(), three_axes(), hand_settings()));
     const double lag_m = mu_k * kDepth_m / std::cos(rise_rad);
     const double step_m = random.uniform(0.01, 0.3) * lag_m;
     loop.tick(pose.point({0, -0.1, 1e-3}), kTick_s);
@@ -560,7 +561,7 @@ TEST(SlidingFriction, ContinuesOverTheEdgesOfAMesh) {
     for (int run = 0; run < 20; ++run) {
       HapticSettings s = hand_settings();
       s.god_object.radius_m = proxy_radius_m;
-      HapticLoop loop(world.world(), three_axes(), s);
+      auto loop = test::made(HapticLoop::create(world.world(), three_axes(), s));
       const Vec3 u = random.unit_vector();
       const Vec3 v = u.cross(random.unit_vector()).normalized();
       loop.tick((kRadius_m + proxy_radius_m + 1e-3) * u, kTick_s);
@@ -609,7 +610,7 @@ TEST(SlidingFriction, ContinuesThroughCappedTicks) {
   world.set_effects(with_friction(0.9, 0.3));
   HapticSettings s = hand_settings();
   s.god_object.accuracy.iterations = 2;
-  HapticLoop loop(world.world(), three_axes(), s);
+  auto loop = test::made(HapticLoop::create(world.world(), three_axes(), s));
   loop.tick({0, 0, 0.052}, kTick_s);
   for (int n = 0; n < 20; ++n) loop.tick({0, 0, 0.047}, kTick_s);
   int capped = 0;
@@ -633,7 +634,7 @@ TEST(SlidingFriction, ContinuesWhileThePlateMovesWithTheHand) {
   const RigidTransform pose = random.pose(0.5);
   OwnedBodies bodies({{plate_soup(0.3), pose}});
   bodies.set_effects(with_friction(0.9, 0.3));
-  HapticLoop loop(bodies.world(), three_axes(), hand_settings());
+  auto loop = test::made(HapticLoop::create(bodies.world(), three_axes(), hand_settings()));
   const double depth_m = 2e-3;
   loop.tick(pose.point({0, 0, 1e-3}), kTick_s);
   double x_m = 0.0;
@@ -669,7 +670,7 @@ struct Pulled {
   void run() {
     OwnedWorld world(plate_soup(1.5));
     world.set_effects(with_friction(1.0, 0.4));
-    HapticLoop loop(world.world(), three_axes(), hand_settings());
+    auto loop = test::made(HapticLoop::create(world.world(), three_axes(), hand_settings()));
     constexpr double kStart_m = -1.0;
     loop.tick({kStart_m, 0, 1e-3}, kTick_s);
     MassDamper device(kMass_kg, kDamping_Ns_per_m);

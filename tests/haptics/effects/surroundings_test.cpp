@@ -15,6 +15,7 @@
 #include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/body_hand.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/ticks.h"
 
 namespace palpate {
@@ -481,7 +482,8 @@ TEST(Magnet, IsTheSameNextToMovingBodies) {
     effects.add_body({effect_entry<MagnetEffect>({force_N, range_m, &program.magnets.back()})});
     effects.add_body_without_effects();
     bodies.set_effects(effects.finish());
-    HapticLoop loop(bodies.world(), ActuationModel::from_counts(3, 3).value(), hand_settings());
+    auto loop = test::made(HapticLoop::create(
+        bodies.world(), ActuationModel::from_counts(3, 3).value(), hand_settings()));
     RigidTransform moved = pose;
     Vec3 p = pose.point({0.05, 0, 0});
     loop.tick(p, kTick_s);
@@ -532,7 +534,8 @@ TEST(Gravity, IsConstantInTheSceneAndTurnsWithIt) {
     s.a4.enabled = true;
     s.initial_pose.rotation = Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY());
     const Vec3 weight = mass * gravity + field;
-    HapticLoop loop(bodies.world(), ActuationModel::from_counts(3, 1).value(), s);
+    auto loop = test::made(
+        HapticLoop::create(bodies.world(), ActuationModel::from_counts(3, 1).value(), s));
     const Vec3 normal_device = s.initial_pose.rotation * Vec3::UnitZ();
     Vec3 first = Vec3::Zero();
     Vec3 last = Vec3::Zero();

@@ -12,6 +12,7 @@
 #include "haptics/proxy/float_trace.h"
 #include "haptics/proxy/god_object.h"
 #include "models/primitives.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -38,7 +39,8 @@ std::vector<Vec3> wander(Random& random, int count) {
 
 std::vector<ProxyState> follow(const ContactWorld& world, const Accuracy& accuracy,
                                const std::vector<Vec3>& goals_m, double radius_m = 0.0) {
-  GodObject god_object(world, {.radius_m = radius_m, .accuracy = accuracy});
+  auto god_object =
+      test::made(GodObject::create(world, {.radius_m = radius_m, .accuracy = accuracy}));
   god_object.place(goals_m.front());
   std::vector<ProxyState> states;
   for (const Vec3& goal : goals_m) states.push_back(god_object.move_to(goal));
@@ -102,7 +104,8 @@ TEST(NarrowPhaseInFloat, DiffersByAStandOffFromTheExactResult) {
   const double reach_m = world.index().largest_pack_reach_m();
   const double stand_off_m = float_stand_off_m(reach_m);
   EXPECT_LT(stand_off_m, 1e-4 * reach_m);
-  GodObject god_object(world.world(), {.radius_m = 0.0, .accuracy = in_float});
+  auto god_object =
+      test::made(GodObject::create(world.world(), {.radius_m = 0.0, .accuracy = in_float}));
   EXPECT_EQ(god_object.scale().stand_off_m, stand_off_m);
   god_object.place({0.0, 0.0, 0.1});
   for (int n = 0; n < 5000; ++n) {
@@ -131,7 +134,8 @@ TEST(Iterations, AtTheLimitGiveAFeasibleMonotoneResultReportedAsCapped) {
     few.iterations = iterations;
     int capped = 0;
     for (int trial = 0; trial < 200; ++trial) {
-      GodObject god_object(world.world(), {.radius_m = 0.0, .accuracy = few});
+      auto god_object =
+          test::made(GodObject::create(world.world(), {.radius_m = 0.0, .accuracy = few}));
       god_object.place(0.5 * random.in_box(1.0).cwiseProduct(kHalf_m));
       const Vec3 before = god_object.proxy();
       const Vec3 goal = random.unit_vector().cwiseSign() * 0.2;  // into a corner
@@ -175,7 +179,7 @@ TEST_P(EverySimdLevel, GivesTheSameBits) {
     const OwnedWorld world({sphere.positions_m, sphere.triangles}, {}, radius_m);
     const std::vector<Vec3> goals_m = wander(random, 3000);
     const auto run = [&] {
-      GodObject god_object(world.world(), {.radius_m = radius_m});
+      auto god_object = test::made(GodObject::create(world.world(), {.radius_m = radius_m}));
       god_object.place(goals_m.front());
       std::vector<Vec3> proxies;
       for (const Vec3& goal : goals_m) {

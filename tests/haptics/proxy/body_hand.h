@@ -13,6 +13,7 @@
 #include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/helpers/effect_programs.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/mesh_soup.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
@@ -66,11 +67,13 @@ class BodyHand {
 
   void begin(const HapticSettings& settings, int actuators = 3) {
     if (!effects.builder.program.bodies.empty()) bodies_->set_effects(effects.finish());
-    loop_.emplace(bodies_->world(), ActuationModel::from_counts(3, actuators).value(), settings);
+    loop_ = test::made(HapticLoop::create(
+        bodies_->world(), ActuationModel::from_counts(3, actuators).value(), settings));
   }
   // Begins with bodies that have no effects.
   void begin_without_effects(const HapticSettings& settings) {
-    loop_.emplace(bodies_->world(), ActuationModel::from_counts(3, 3).value(), settings);
+    loop_ = test::made(
+        HapticLoop::create(bodies_->world(), ActuationModel::from_counts(3, 3).value(), settings));
   }
 
   const TickRecord& go_to(const Vec3& p_local, double dt_s = 1e-3) {

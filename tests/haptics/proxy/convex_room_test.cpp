@@ -17,6 +17,7 @@
 #include "haptics/proxy/anisotropic_norm.h"
 #include "haptics/proxy/god_object.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/rest_scenes.h"
 #include "tests/helpers/soak.h"
@@ -163,7 +164,7 @@ void expect_rests_at_the_projection(test::ProxyKind kind, bool with_norm) {
     const OwnedWorld world(room, {}, radius_m);
     const std::vector<Corners> triangles = test::solver_triangles(world);
     const Accuracy accuracy = random.index(4) ? Accuracy::balanced() : Accuracy::exact();
-    GodObject god_object(world.world(), {radius_m, accuracy});
+    auto god_object = test::made(GodObject::create(world.world(), {radius_m, accuracy}));
     const double size_m = world.world().size_m;
     const double stand_off_m = god_object.scale().stand_off_m;
     const auto walls = walls_of(triangles, static_cast<Wide>(radius_m + stand_off_m));

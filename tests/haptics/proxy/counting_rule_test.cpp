@@ -11,6 +11,7 @@
 #include "benchmarks/worst_inputs.h"
 #include "haptics/proxy/god_object.h"
 #include "tests/haptics/proxy/work_budgets.h"
+#include "tests/helpers/made.h"
 
 namespace palpate {
 namespace {
@@ -29,7 +30,7 @@ std::uint64_t hash_of(const WorstInput& input, CountingRule rule) {
   for (const WorkUnits budget : {300, 4000, 20000}) {
     GodObjectSettings settings{input.proxy_radius_m, test::with_budget({}, budget)};
     settings.accuracy.counting = rule;
-    GodObject god_object(input.world, settings);
+    auto god_object = test::made(GodObject::create(input.world, settings));
     god_object.place(input.goals_m.front());
     for (std::size_t i = 0; i < input.goals_m.size(); ++i) {
       const std::uint64_t held =

@@ -9,6 +9,7 @@
 
 #include "haptics/proxy/god_object.h"
 #include "models/primitives.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/mesh_soup.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
@@ -61,7 +62,7 @@ double largest_depth_error(const TriangleMesh& mesh, const ExactShape& shape, do
   Random random(41);
   const RigidTransform pose = random.pose(1.0);
   const OwnedWorld world(soup_of(mesh), pose, radius);
-  GodObject god_object(world.world(), {.radius_m = radius});
+  auto god_object = test::made(GodObject::create(world.world(), {.radius_m = radius}));
   double largest = 0.0;
   for (int trial = 0; trial < 400; ++trial) {
     const ExactPoint on = shape(random);

@@ -11,6 +11,7 @@
 #include "haptics/proxy/god_object.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/worlds.h"
@@ -105,7 +106,7 @@ TEST(PointBesideABlade, RestsOnlyWhereNoSegmentPastTheEdgeLeadsNearer) {
   int rests = 0;
   for (int trial = 0; trial < kBladeTrials; ++trial) {
     const CornerWithBlade scene(random);
-    GodObject god_object(scene.world(), {});
+    auto god_object = test::made(GodObject::create(scene.world(), {}));
     god_object.place(scene.start_m());
     const test::RestJudge judge(scene.size_m(), 0.0, god_object.scale().stand_off_m);
     const Vec3 goal = scene.goal_m(god_object.proxy(), random);

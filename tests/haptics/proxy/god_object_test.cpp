@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
 #include "tests/helpers/worlds.h"
@@ -24,7 +25,9 @@ constexpr double kRelativeAccuracy = 1e-9;  // required by the specification; of
 class SceneProxy {
  public:
   explicit SceneProxy(const OwnedWorld& world, double radius_m = 0.0, const Accuracy& accuracy = {})
-      : world_(world.world()), god_object_(world_, {.radius_m = radius_m, .accuracy = accuracy}) {}
+      : world_(world.world()),
+        god_object_(
+            test::made(GodObject::create(world_, {.radius_m = radius_m, .accuracy = accuracy}))) {}
 
   void place(const Vec3& p_scene) { god_object_.place(world_.to_solver(p_scene)); }
   ProxyState move_to(const Vec3& p_scene) {
@@ -318,7 +321,7 @@ TEST(GodObject, KeepsToThePlaneOfMotion) {
   for (int trial = 0; trial < 20; ++trial) {
     const RigidTransform pose = random.pose(1.0);
     const OwnedWorld world(box_soup({0.5, 0.4, 0.3}), pose);
-    GodObject god_object(world.world(), {});
+    auto god_object = test::made(GodObject::create(world.world(), {}));
     const Vec3 plane_normal = pose.direction(Vec3::UnitZ());
     const double height = random.uniform(-0.29, 0.29);
     const auto solver = [&](const Vec3& p) { return world.world().to_solver(pose.point(p)); };
@@ -366,7 +369,7 @@ TEST(GodObject, RestsInThePlaneOfMotionHoweverFarTheGoalIs) {
     const Vec3 normal = random.unit_vector();
     const Vec3 across = normal.cross(random.unit_vector()).normalized();
     const std::vector<Vec3> corners = corners_in_plane(half_extent, normal);
-    GodObject god_object(world.world(), {});
+    auto god_object = test::made(GodObject::create(world.world(), {}));
     god_object.place(solver(Vec3::Zero()));
     for (int tick = 0; tick < 20; ++tick) {
       const double angle_rad = random.uniform(0.0, 2 * std::numbers::pi);
@@ -419,7 +422,7 @@ TEST(GodObject, IsNotStuckAtCreasesThatAreAlmostFlat) {
     const RigidTransform pose = random.pose(1.0);
     const OwnedWorld world(soup, pose);
     const auto solver = [&](const Vec3& p) { return world.world().to_solver(pose.point(p)); };
-    GodObject god_object(world.world(), {});
+    auto god_object = test::made(GodObject::create(world.world(), {}));
     Vec3 from(0.0, 0.0, 0.1);
     god_object.place(solver(from));
     for (int n = 0; n < 10; ++n) {
@@ -462,7 +465,7 @@ TEST(GodObject, RestsInGroovesHoweverNarrowAndKeepsItsPosition) {
     const double half_width = 1e-8 * std::pow(3e7, random.uniform(0.0, 1.0));
     const RigidTransform pose = random.pose(1.0);
     const OwnedWorld world(groove(half_width), pose);
-    GodObject god_object(world.world(), {});
+    auto god_object = test::made(GodObject::create(world.world(), {}));
     FrictionCone cone{random.uniform(0.1, 1.0), 0.0};
     cone.dynamic_friction = cone.static_friction * random.uniform(0.5, 1.0);
     test::SameCone same(cone);

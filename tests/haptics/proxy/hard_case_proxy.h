@@ -16,6 +16,7 @@
 #include "geometry/exact/exact.h"
 #include "haptics/proxy/god_object.h"
 #include "tests/haptics/proxy/hard_case_exact.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate::test {
@@ -92,7 +93,7 @@ class JudgedProxy {
   explicit JudgedProxy(const OwnedWorld& world, double radius_m = 0.0)
       : world_(&world.world()),
         radius_m_(radius_m),
-        god_object_(world.world(), {.radius_m = radius_m}) {
+        god_object_(test::made(GodObject::create(world.world(), {.radius_m = radius_m}))) {
     for (const ContactBody& body : world_->bodies) {
       if (!body.is_identity) continue;
       for (std::uint32_t id = 0; id < body.index->pack_count(); ++id) collect(*body.index, id);

@@ -8,6 +8,7 @@
 #include "haptics/record_vectors.h"
 #include "tests/engine/session/hard_case_device.h"
 #include "tests/helpers/hard_case_shapes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/soak.h"
 #include "tests/helpers/ticks.h"
 
@@ -35,7 +36,8 @@ TEST_P(HardCase20_Soak, KeepsTheQuaternionAndTheClearance) {
   const auto [sensors, actuators, radius] = GetParam();
   Random random(311);
   const OwnedWorld world(test::paper_object_soup(paper_objects().front()), {}, radius);
-  HapticLoop loop(world.world(), device(sensors, actuators), settings(1000.0, 2.0, true, radius));
+  auto loop = test::made(HapticLoop::create(world.world(), device(sensors, actuators),
+                                            settings(1000.0, 2.0, true, radius)));
   const SolverScale scale = SolverScale::of(world.world().size_m, radius);
   // The least clearance of a point; that of a sphere is half a stand-off.
   const double kept_m = radius + (1 - 1e-3) * scale.clearance_m;

@@ -13,6 +13,7 @@
 #include "haptics/record_vectors.h"
 #include "tests/haptics/proxy/hard_case_proxy.h"
 #include "tests/helpers/hard_case_shapes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/ticks.h"
 
 namespace palpate {
@@ -234,7 +235,8 @@ TEST_P(HardCase12_RidgeSweep, StepsTheForceByNoMoreThanTheRidge) {
     for (int n = 0; n < poses; ++n) {
       const RigidTransform pose = random.pose(1.0);
       const OwnedWorld world(posed(test::wedge_soup(solid_rad), pose), {}, radius);
-      HapticLoop loop(world.world(), ActuationModel::from_counts(3, 3).value(), undamped(radius));
+      auto loop = test::made(HapticLoop::create(
+          world.world(), ActuationModel::from_counts(3, 3).value(), undamped(radius)));
       ForceWatch watch(exterior_deg * kDeg);
       watch.last = loop.tick(pose.point({0.0, 0.0, radius + 0.01}), kTick_s);
       double y = 0.0;
@@ -280,7 +282,8 @@ TEST_P(HardCase12_RidgeSweep, HoldsRoundThePapersObjects) {
     }
     const RigidTransform pose = random.pose(1.0);
     const OwnedWorld world(posed(test::paper_object_soup(object), pose), {}, radius);
-    HapticLoop loop(world.world(), ActuationModel::from_counts(3, 3).value(), undamped(radius));
+    auto loop = test::made(HapticLoop::create(
+        world.world(), ActuationModel::from_counts(3, 3).value(), undamped(radius)));
     JudgedProxy proxy(world, radius);
     ForceWatch watch(sharpest);
     Vec3 at = route[0] + (0.01 + depth) * (route[1] - route[0]).normalized().cross(Vec3::UnitZ());

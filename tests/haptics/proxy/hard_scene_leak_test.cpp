@@ -23,6 +23,7 @@
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/same_cone.h"
 #include "tests/helpers/soak.h"
@@ -83,7 +84,7 @@ class HardSceneRun {
         radius_m_(proxy == Proxy::kInNorm ? 0.0 : pick_radius_m(random)),
         world_(scene_.soup, {}, radius_m_),
         judge_(test::solver_triangles(world_)),
-        god_object_(world_.world(), {.radius_m = radius_m_}),
+        god_object_(test::made(GodObject::create(world_.world(), {.radius_m = radius_m_}))),
         position_roundoff_m_(kEpsilon * world_.world().size_m),
         start_(pick_start()),
         motion_(judge_.triangles(), aims(), start_, random) {
@@ -386,7 +387,7 @@ TEST_P(Found, LeakIsClosed) {
   ASSERT_EQ(world.world().anchor_scene_m, Vec3(Vec3::Zero()));
   const ExactJudge judge(test::solver_triangles(world));
   const double least_m = radius_m - kNearUlps * kEpsilon * world.world().size_m;
-  GodObject god_object(world.world(), {.radius_m = radius_m});
+  auto god_object = test::made(GodObject::create(world.world(), {.radius_m = radius_m}));
   god_object.place(path.front());
   ASSERT_EQ(god_object.proxy(), path.front());
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -420,7 +421,7 @@ TEST_P(Slit, LetsOnlyNarrowerProxiesThrough) {
                   pose.point({-half, side, 0}), pose.point({-side, side, 0}));
     const OwnedWorld world(soup, {}, radius_m);
     const ExactJudge judge(test::solver_triangles(world));
-    GodObject god_object(world.world(), {.radius_m = radius_m});
+    auto god_object = test::made(GodObject::create(world.world(), {.radius_m = radius_m}));
     const double y = random.uniform(-0.07, 0.07);
     const double height_m = radius_m + std::pow(10.0, random.uniform(-6.0, -2.0));
     god_object.place(world.world().to_solver(pose.point({0, y, height_m})));
@@ -460,7 +461,7 @@ TEST(RaggedBox, HoldsASphereThatIsWiderThanItsCracks) {
     ProxyState state;
     state.proxy = starts_inside ? Vec3(Vec3::Zero()) : Vec3(0.0, 0.0, 0.2);
     DeviceMotion motion(triangles, corners, state.proxy, random);
-    GodObject god_object(world.world(), {.radius_m = radius_m});
+    auto god_object = test::made(GodObject::create(world.world(), {.radius_m = radius_m}));
     god_object.place(state.proxy);
     for (int tick = 0; tick < 200; ++tick) {
       state = god_object.move_to(motion.next_goal(state));

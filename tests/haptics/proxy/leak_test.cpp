@@ -9,6 +9,7 @@
 
 #include "haptics/proxy/god_object.h"
 #include "models/primitives.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
 #include "tests/helpers/worlds.h"
@@ -77,7 +78,7 @@ TEST_P(ClosedSurface, KeepsThePointOnItsSide) {
   const Soup soup = soup_of(GetParam(), random);
   const OwnedWorld world(soup);
   for (const bool inside : {true, false}) {
-    GodObject god_object(world.world(), {});
+    auto god_object = test::made(GodObject::create(world.world(), {}));
     Vec3 at = start_in(soup, inside, GetParam().squeeze, random);
     Vec3 proxy = world.world().to_solver(at);
     god_object.place(proxy);

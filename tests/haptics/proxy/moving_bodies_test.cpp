@@ -13,6 +13,7 @@
 #include "haptics/record_vectors.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
@@ -49,7 +50,8 @@ RigidTransform moved(const RigidTransform& T, const Vec3& by_m, const Vec3& turn
 class JudgedProxy {
  public:
   JudgedProxy(const OwnedBodies& bodies, double radius_m, const Accuracy& accuracy = {})
-      : radius_m_(radius_m), god_object_(bodies.world(), {radius_m, accuracy}) {
+      : radius_m_(radius_m),
+        god_object_(test::made(GodObject::create(bodies.world(), {radius_m, accuracy}))) {
     for (std::size_t b = 0; b < bodies.world().bodies.size(); ++b) {
       judges_.emplace_back(bodies.triangles(b));
     }
@@ -289,7 +291,7 @@ TEST(MovingBodies, MovingTogetherCarryTheHandBetweenThem) {
   const RigidTransform high{Quat::Identity(), Vec3(0, 0, 0.0003)};
   for (const double speed : {1.0, -1.0}) {
     const OwnedBodies bodies({{plate(false), low}, {plate(false), high}});
-    GodObject hand(bodies.world(), {});
+    auto hand = test::made(GodObject::create(bodies.world(), {}));
     hand.place(Vec3::Zero());
     for (int n = 1; n <= 200; ++n) {
       const Vec3 by(0, 0, n * kTick_s * speed);
@@ -358,8 +360,8 @@ TEST(MovingBodies, MovingWithTheHandGiveTheSameProxyAsBodiesAtRest) {
   Random random(5);
   const RigidTransform at_first = random.pose(0.05);
   const OwnedBodies bodies({{test::box_soup({0.05, 0.06, 0.07}), at_first}});
-  GodObject resting(bodies.world(), {});
-  GodObject moving(bodies.world(), {});
+  auto resting = test::made(GodObject::create(bodies.world(), {}));
+  auto moving = test::made(GodObject::create(bodies.world(), {}));
   const Vec3 start = at_first.point(Vec3(0.0, 0.0, 0.1));
   resting.place(start);
   moving.place(start);
@@ -384,8 +386,8 @@ TEST(MovingBodies, AfterStoppingGiveTheSameProxyAsBodiesThatNeverMoved) {
   const RigidTransform there = random.pose(0.05);
   const Soup box = test::box_soup({0.05, 0.06, 0.07});
   const OwnedBodies bodies({{box, there}});
-  GodObject resting(bodies.world(), {});
-  GodObject moved_there(bodies.world(), {});
+  auto resting = test::made(GodObject::create(bodies.world(), {}));
+  auto moved_there = test::made(GodObject::create(bodies.world(), {}));
   ASSERT_TRUE(moved_there.place_body(0, random.pose(0.05)));
   ASSERT_TRUE(moved_there.place_body(0, there));
   const Vec3 start(0.2, 0.1, 0.1);
@@ -411,8 +413,8 @@ TEST(ManyBodies, GiveTheSameProxyWithAndWithoutATree) {
     }
     const OwnedBodies with_tree(placed, radius_m, true);
     const OwnedBodies without(placed, radius_m, false);
-    GodObject a(with_tree.world(), {radius_m, {}});
-    GodObject b(without.world(), {radius_m, {}});
+    auto a = test::made(GodObject::create(with_tree.world(), {radius_m, {}}));
+    auto b = test::made(GodObject::create(without.world(), {radius_m, {}}));
     Vec3 goal(0.2, 0.2, 0.2);
     a.place(goal);
     b.place(goal);
@@ -445,7 +447,7 @@ TEST(ManyBodies, CrowdedInRoomsGiveTheSameProxyWithAndWithoutATree) {
     const OwnedBodies with_tree(placed, 0.0, true);
     const OwnedBodies without(placed, 0.0, false);
     JudgedProxy a(with_tree, 0.0);
-    GodObject b(without.world(), {});
+    auto b = test::made(GodObject::create(without.world(), {}));
     Vec3 goal(0.1, 0.1, 0.1);
     a.god_object().place(goal);
     b.place(goal);
@@ -460,7 +462,7 @@ TEST(ManyBodies, CrowdedInRoomsGiveTheSameProxyWithAndWithoutATree) {
 TEST(ManyBodies, AtOnePositionDoNotExceedTheCapacityForContacts) {
   const std::vector<OwnedBodies::Placed> placed(2000, {test::box_soup(Vec3::Constant(0.1)), {}});
   const OwnedBodies bodies(placed, 0.0, true);
-  GodObject hand(bodies.world(), {});
+  auto hand = test::made(GodObject::create(bodies.world(), {}));
   hand.place({0.1, 0.02, 0.03});  // on the surface of every body
   EXPECT_TRUE(hand.move_to({0.05, 0.02, 0.03}).in_contact);
   EXPECT_NEAR(hand.proxy().x(), 0.1, 1e-9);
@@ -492,7 +494,7 @@ ActuationModel fully_actuated() {
 TEST(HapticLoopWithBodies, RendersAMovingPlateAndReportsInvalidPoses) {
   const RigidTransform at_first{Quat::Identity(), Vec3(0.0, 0.0, 0.02)};
   const OwnedBodies bodies({{plate(true), at_first}});
-  HapticLoop loop(bodies.world(), fully_actuated(), {});
+  auto loop = test::made(HapticLoop::create(bodies.world(), fully_actuated(), {}));
   const Vec3 hand = Vec3::Zero();
   EXPECT_EQ(loop.tick(hand, kTick_s).faults, kFaultNone);
   RigidTransform pose = at_first;
@@ -531,7 +533,8 @@ TEST(HapticLoopWithBodies, KeepsThePlaneOfAPlanarDevice) {
   Soup wall;
   wall.add_quad({0, -0.2, -0.3}, {0, 0.2, -0.3}, {0, 0.2, 0.3}, {0, -0.2, 0.3});
   const OwnedBodies bodies({{wall, pose}});
-  HapticLoop loop(bodies.world(), *ActuationModel::from_counts(2, 2), {});
+  auto loop =
+      test::made(HapticLoop::create(bodies.world(), *ActuationModel::from_counts(2, 2), {}));
   loop.tick(Vec3::Zero(), kTick_s);
   for (int n = 0; n < 100; ++n) {
     pose.translation_m.x() += 1e-3;
@@ -554,7 +557,7 @@ TEST(MovingBodies, WithPosesInSinglePrecisionNeverPassTheProxy) {
     const OwnedBodies bodies({{test::box_soup(half_m), {}}}, radius_m);
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       Random random(seed);
-      GodObject god_object(bodies.world(), {radius_m, {}});
+      auto god_object = test::made(GodObject::create(bodies.world(), {radius_m, {}}));
       god_object.place({0.01, 0.01, 0.06});
       const Vec3 axis = random.unit_vector();
       for (int n = 1; n <= 400; ++n) {
@@ -575,7 +578,7 @@ TEST(MovingBodies, WithPosesInSinglePrecisionNeverPassTheProxy) {
 TEST(HapticLoopWithBodies, HoldsBodiesWhileSamplesAreBad) {
   const RigidTransform at_first{Quat::Identity(), Vec3(0.0, 0.0, 0.02)};
   const OwnedBodies bodies({{plate(true), at_first}});
-  HapticLoop loop(bodies.world(), fully_actuated(), {});
+  auto loop = test::made(HapticLoop::create(bodies.world(), fully_actuated(), {}));
   loop.tick(Vec3::Zero(), kTick_s);
   loop.move_body(0, {Quat::Identity(), Vec3(0.0, 0.0, -0.02)});
   const double nan = std::numeric_limits<double>::quiet_NaN();

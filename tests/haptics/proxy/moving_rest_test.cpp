@@ -24,6 +24,7 @@
 #include "tests/haptics/proxy/work_budgets.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/floating_point.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/rest_judge.h"
@@ -163,7 +164,7 @@ class MovingScene {
         bodies_(scene_.bodies, radius_m_),
         accuracy_(test::with_some_budget(random.index(4) ? Accuracy::balanced() : Accuracy::exact(),
                                          seed)),
-        god_object_(bodies_.world(), {radius_m_, accuracy_}),
+        god_object_(test::made(GodObject::create(bodies_.world(), {radius_m_, accuracy_}))),
         size_m_(bodies_.world().size_m),
         round_m_(kEpsilon * (size_m_ + radius_m_)),
         rests_(size_m_, radius_m_, god_object_.scale().stand_off_m) {

@@ -23,6 +23,7 @@
 #include "tests/haptics/proxy/hard_case_proxy.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/same_cone.h"
@@ -168,7 +169,7 @@ class PlanarRun {
         T_solver_plane_(pick_plane()),
         normal_(T_solver_plane_.rotation.toRotationMatrix().col(2)),
         bodies_(make_bodies()),
-        god_object_(bodies_.world(), {.radius_m = radius_m_}),
+        god_object_(test::made(GodObject::create(bodies_.world(), {.radius_m = radius_m_}))),
         cones_({}),
         norm_(make_norm()) {
     for (std::size_t b = 0; b < bodies_.world().bodies.size(); ++b) {
@@ -465,7 +466,7 @@ TEST(PlanarProxiesPlaced, KeepToTheirPlane) {
     const RigidTransform T_solver_plane = random.pose(1.0);
     const Vec3 normal = T_solver_plane.direction(Vec3::UnitZ());
     const OwnedBodies bodies({{some_body(random), T_solver_plane}});
-    GodObject god_object(bodies.world(), {});
+    auto god_object = test::made(GodObject::create(bodies.world(), {}));
     const auto triangles = bodies.triangles(0);
     for (int place = 0; place < 10; ++place) {
       const test::Corners& t = triangles[random.index(triangles.size())];
@@ -532,7 +533,7 @@ TEST(PlanarLoops, KeepTheProxyInThePlaneOfTheDevice) {
     settings.initial_pose = random.pose(100.0);
     Vec3 hand_m = settings.initial_pose.point(world.to_scene(random.in_box(0.02)));
     settings.plane_height_m = hand_m.z();
-    HapticLoop loop(world, *ActuationModel::from_counts(2, 1), settings);
+    auto loop = test::made(HapticLoop::create(world, *ActuationModel::from_counts(2, 1), settings));
     RigidTransform T_scene_body;
     Vec3 step_m = Vec3::Zero();
     for (int n = 0; n < kPlanarTicks; ++n) {

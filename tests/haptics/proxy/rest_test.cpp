@@ -26,6 +26,7 @@
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/rest_scenes.h"
 #include "tests/helpers/same_cone.h"
@@ -108,7 +109,7 @@ class RestRun {
         exact_(test::solver_triangles(world_)),
         accuracy_(test::with_some_budget(random.index(4) ? Accuracy::balanced() : Accuracy::exact(),
                                          seed)),
-        god_object_(world_.world(), {radius_m_, accuracy_}),
+        god_object_(test::made(GodObject::create(world_.world(), {radius_m_, accuracy_}))),
         size_m_(world_.world().size_m),
         round_m_(kEpsilon * std::max(size_m_, radius_m_)),
         rests_(size_m_, radius_m_, kept_by_ways() * god_object_.scale().stand_off_m),
@@ -336,7 +337,8 @@ TEST_P(RestlessHands, AreSeldomCapped) {
     const RestScene scene = rest_class.make(rest_class.proxy, random);
     const OwnedWorld world(scene.soup, {}, scene.radius_m);
     const std::vector<Corners> triangles = test::solver_triangles(world);
-    GodObject god_object(world.world(), {scene.radius_m, test::with_budget({}, test::kNoBudget)});
+    auto god_object = test::made(
+        GodObject::create(world.world(), {scene.radius_m, test::with_budget({}, test::kNoBudget)}));
     ProxyState state;
     state.proxy = Vec3(0.0, 0.0, 1.1 * scene.radius_m + world.world().size_m);
     god_object.place(state.proxy);
@@ -379,7 +381,7 @@ TEST_P(LargeSpheres, RestForAConstantGoalWithinTenTicksAndStayThere) {
     const double size_m = world.world().size_m;
     const Accuracy accuracy = test::with_budget(
         random.index(4) ? Accuracy::balanced() : Accuracy::exact(), test::kNoBudget);
-    GodObject god_object(world.world(), {scene.radius_m, accuracy});
+    auto god_object = test::made(GodObject::create(world.world(), {scene.radius_m, accuracy}));
     ProxyState state;
     state.proxy = Vec3(0.0, 0.0, scene.radius_m + size_m);
     god_object.place(state.proxy);

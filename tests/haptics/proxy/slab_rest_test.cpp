@@ -11,6 +11,7 @@
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/worlds.h"
@@ -113,7 +114,7 @@ TEST(PointBetweenSlabs, FollowsTheGoalInAConstantGapAndLeavesAtTheRims) {
   for (int trial = 0; trial < kSlabTrials; ++trial) {
     const double gap = random.index(2) ? 2 * kStopHeight : random.uniform(1.0, 3.0);
     const SlabPair slabs(gap, gap, random);
-    GodObject god_object(slabs.world(), {});
+    auto god_object = test::made(GodObject::create(slabs.world(), {}));
     const double y = random.uniform(-0.9, 0.9) * kHalfWidth;
     god_object.place(slabs.solver(-1.2 * kHalfWidth, y, 0.5));
     const double inside = power_between(random, 1e-6, 1.0);
@@ -146,7 +147,7 @@ TEST(PointBetweenSlabs, RestsWhereItStopsAtBothSlabsIfTheyConvergeAndNeverCreeps
     const double wide = power_between(random, 3.0, 1e5);
     const double narrow = random.uniform(0.05, 0.4);
     const SlabPair slabs(wide, narrow, random);
-    GodObject god_object(slabs.world(), {});
+    auto god_object = test::made(GodObject::create(slabs.world(), {}));
     const double y = random.uniform(-0.3, 0.3) * kHalfWidth;
     god_object.place(slabs.solver(-1.2 * kHalfWidth, y, 0.5));
     const Vec3 first = slabs.solver(-0.95 * kHalfWidth, y, 0.5);

@@ -13,6 +13,7 @@
 #include "haptics/record_vectors.h"
 #include "models/primitives.h"
 #include "tests/haptics/proxy/reference_god_object.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/worlds.h"
 
@@ -42,7 +43,8 @@ class Touch {
   Touch(const TriangleMesh& mesh, const RigidTransform& T_scene_body, double radius_m)
       : T_scene_body_(T_scene_body),
         world_(Soup{mesh.positions_m, mesh.triangles}, T_scene_body, radius_m),
-        loop_(world_.world(), *ActuationModel::from_counts(3, 3), settings(radius_m)) {}
+        loop_(test::made(HapticLoop::create(world_.world(), *ActuationModel::from_counts(3, 3),
+                                            settings(radius_m)))) {}
 
   const TickRecord& tick(const Vec3& goal_body) {
     return loop_.tick(T_scene_body_.point(goal_body), kDt_s);

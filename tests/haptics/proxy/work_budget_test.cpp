@@ -16,6 +16,7 @@
 #include "haptics/check_settings.h"
 #include "haptics/proxy/god_object.h"
 #include "tests/haptics/proxy/work_budgets.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/worlds.h"
 
@@ -40,7 +41,7 @@ BudgetTick next_tick(GodObject& god_object, const WorstInput& input, std::size_t
 GodObject god_object_of(const WorstInput& input, WorkUnits budget, bool reuse_candidates = true) {
   GodObjectSettings settings{input.proxy_radius_m, test::with_budget({}, budget)};
   settings.accuracy.reuse_candidates = reuse_candidates;
-  GodObject god_object(input.world, settings);
+  auto god_object = test::made(GodObject::create(input.world, settings));
   god_object.place(input.goals_m.front());
   return god_object;
 }
@@ -228,7 +229,8 @@ TEST(WorkBudgets, LetOtherBodiesMoveWhileOneBodyNeedsManyTicks) {
   const test::Soup light = test::box_soup(Vec3::Constant(0.01));
   const RigidTransform far{Quat::Identity(), Vec3(1.0, 0.0, 0.0)};
   const test::OwnedBodies bodies({{heavy, {}}, {light, far}});
-  GodObject god_object(bodies.world(), {0.0, test::with_budget({}, 300)});
+  auto god_object =
+      test::made(GodObject::create(bodies.world(), {0.0, test::with_budget({}, 300)}));
   god_object.place(Vec3(0.0, 0.0, 0.02));
   double heavy_least_m = 1.0;
   double light_least_m = 1.0;
@@ -266,7 +268,8 @@ TEST(WorkBudgets, KeepEveryMovedBodyWithinTheBounds) {
   const Vec3 below(0.01, 0.02, 20.0);
   const Vec3 above(0.01, 0.02, 40.0);
   for (const WorkUnits budget : {10, 20, 40, 100, 1000}) {
-    GodObject god_object(bodies.world(), {0.0, test::with_budget({}, budget)});
+    auto god_object =
+        test::made(GodObject::create(bodies.world(), {0.0, test::with_budget({}, budget)}));
     god_object.place(aside);
     const auto is_there = [&] {
       return god_object.world().body(0).T_solver_body.translation_m.z() == 30.0;
@@ -287,7 +290,7 @@ TEST(WorkBudgets, KeepEveryMovedBodyWithinTheBounds) {
 // The work used by earlier ticks does not limit place().
 TEST(WorkBudgets, DoNotPreventTheLiftOfAPlacedProxy) {
   const test::OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
-  GodObject god_object(world.world(), {0.0, test::with_budget({}, 1)});
+  auto god_object = test::made(GodObject::create(world.world(), {0.0, test::with_budget({}, 1)}));
   god_object.place(Vec3(0.0, 0.0, 0.3));
   for (int tick = 0; tick < 3; ++tick) god_object.move_to(Vec3(0.01 * tick, 0.0, 0.0));
   const double just_above_m = 0.1 + 0.1 * god_object.scale().stand_off_m;

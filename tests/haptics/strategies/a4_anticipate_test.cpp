@@ -13,6 +13,7 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/hard_case_shapes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -77,7 +78,7 @@ class Approach {
     placed.initial_pose.rotation = turn_between(Vec3::UnitZ(), normal).normalized();
     placed.initial_pose.translation_m =
         device.is_planar() ? Vec3(Vec3::Zero()) : random.in_box(0.02);
-    loop_.emplace(world_.world(), device, placed);
+    loop_ = test::made(HapticLoop::create(world_.world(), device, placed));
     device_m_ = placed.initial_pose.translation_m;
   }
 
@@ -150,7 +151,7 @@ TEST(Anticipation, TurnsIntoThePlaneOfTwoMotors) {
   // The normal is 60 deg from the plane of A1 and A2.
   const Vec3 normal(std::cos(60 * kDeg), 0.0, std::sin(60 * kDeg));
   settings.initial_pose.rotation = turn_between(Vec3::UnitZ(), normal).normalized();
-  HapticLoop loop(world.world(), device(3, 2), settings);
+  auto loop = test::made(HapticLoop::create(world.world(), device(3, 2), settings));
   const auto shown = [&] { return loop.T_device_scene().direction(Vec3::UnitZ()); };
   Vec3 at_m = 0.025 * shown();
   TickRecord record = loop.tick(at_m, kTick_s);

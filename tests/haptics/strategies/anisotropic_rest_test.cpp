@@ -24,6 +24,7 @@
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/rest_judge.h"
 #include "tests/helpers/rest_scenes.h"
 #include "tests/helpers/soak.h"
@@ -79,7 +80,7 @@ class NormRun {
         space_(random),
         stretched_(space_.stretched(exact_.triangles())),
         norm_(space_.anisotropy, space_.axes),
-        god_object_(world_.world(), {}),
+        god_object_(test::made(GodObject::create(world_.world(), {}))),
         stand_off_m_(god_object_.scale().stand_off_m),
         size_m_(world_.world().size_m),
         // A face that is touched in the original space is at most this far in the stretched one.

@@ -21,6 +21,7 @@
 #include "tests/helpers/effect_programs.h"
 #include "tests/helpers/hard_case_shapes.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -68,7 +69,7 @@ TEST(AnisotropicForce, OfAPlaneIsTheFormula) {
       HapticSettings settings = anisotropic_settings(E);
       settings.initial_pose = T_device_plane;
       const ActuationModel device = device_with_motors(random);
-      HapticLoop loop(world.world(), device, settings);
+      auto loop = test::made(HapticLoop::create(world.world(), device, settings));
       loop.tick(T_device_plane.point({0, 0, 1e-3}), kTick_s);
       const double depth_m = random.uniform(1e-3, 5e-3);
       TickRecord record = loop.tick(T_device_plane.point({0, 0, -depth_m}), kTick_s);
@@ -103,7 +104,8 @@ TEST(AnisotropicForce, DoesTheWorkOfItsCurlRoundALoop) {
       const OwnedWorld world(test::sheet_soup(0.1, 0.1));
       HapticSettings settings = anisotropic_settings(E);
       settings.initial_pose = {z_to(normal, random), Vec3::Zero()};
-      HapticLoop loop(world.world(), *ActuationModel::from_counts(3, 1), settings);
+      auto loop = test::made(
+          HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 1), settings));
       loop.tick(1e-3 * normal, kTick_s);
       const Vec3 at_m = -5e-3 * normal;
       const Vec3 corners[] = {at_m, at_m + kSide_m * a1, at_m + kSide_m * (a1 + v),
@@ -176,7 +178,7 @@ TEST(AnisotropicCertificate, HoldsInTheNormOfWInHardScenes) {
     const double E = kAnisotropies[random.index(5)];
     const ActuationModel device = device_with_motors(random);
     const WideMat3 W = weights(E, device);
-    HapticLoop loop(world.world(), device, anisotropic_settings(E));
+    auto loop = test::made(HapticLoop::create(world.world(), device, anisotropic_settings(E)));
     const auto triangles = test::solver_triangles(world);
     ProxyState state;
     state.proxy = Vec3(0.3, 0.2, 0.1);
@@ -232,9 +234,11 @@ TEST(AnisotropicScope, HasTheStiffnessAndDampingOfMaterials) {
       {test::effect_entry<StiffnessEffect>({700.0}), test::effect_entry<DampingEffect>({1.5})});
   stated.set_effects(bodies.finish());
   HapticSettings settings = anisotropic_settings(0.25);
-  HapticLoop a(stated.world(), *ActuationModel::from_counts(3, 1), settings);
+  auto a =
+      test::made(HapticLoop::create(stated.world(), *ActuationModel::from_counts(3, 1), settings));
   settings.coupling = {700.0, 1.5};
-  HapticLoop b(plain.world(), *ActuationModel::from_counts(3, 1), settings);
+  auto b =
+      test::made(HapticLoop::create(plain.world(), *ActuationModel::from_counts(3, 1), settings));
   int contacts = 0;
   Vec3 at(0.15, 0.0, 0.0);
   Vec3 aim = at;

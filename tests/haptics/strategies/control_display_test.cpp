@@ -11,6 +11,7 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "tests/helpers/hard_case_shapes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
 #include "tests/helpers/ticks.h"
@@ -47,7 +48,8 @@ PressWork press_and_release(double angle_rad, double depth_m, int steps) {
   const OwnedWorld world(test::sheet_soup(0.2, 0.2));
   HapticSettings settings = cd_settings();
   settings.initial_pose.rotation = turn_between(Vec3::UnitZ(), normal).normalized();
-  HapticLoop loop(world.world(), *ActuationModel::from_counts(3, 1), settings);
+  auto loop =
+      test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 1), settings));
   PressWork work;
   Vec3 last_m = Vec3(1e-9, 0.0, 0.0);
   Vec3 force_N = vec3(loop.tick(last_m, kTick_s).force_device_N);
@@ -113,7 +115,8 @@ TEST(ControlDisplayDrift, StaysWithinItsLimitAndReturns) {
   Random random(62);
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
   const HapticSettings settings = cd_settings();
-  HapticLoop loop(world.world(), *ActuationModel::from_counts(3, 1), settings);
+  auto loop =
+      test::made(HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 1), settings));
   Vec3 at_m(0.15, 0.0, 0.0);
   Vec3 aim_m = at_m;
   double worst_m = 0.0;
@@ -154,7 +157,8 @@ TEST(ControlDisplayDrift, StaysWithinItsLimitAndReturns) {
 TEST(ControlDisplay, RecordsThePoseOfItsGoal) {
   Random random(63);
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
-  HapticLoop loop(world.world(), *ActuationModel::from_counts(3, 1), cd_settings());
+  auto loop = test::made(
+      HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 1), cd_settings()));
   Vec3 at_m(0.15, 0.0, 0.0);
   for (int n = 0; n < 3000; ++n) {
     at_m += 0.01 * (0.05 * random.unit_vector() - at_m);

@@ -26,6 +26,7 @@
 #include "haptics/strategies/anisotropic.h"
 #include "tests/helpers/exact_judge.h"
 #include "tests/helpers/hard_scenes.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/owned_bodies.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/soak.h"
@@ -76,8 +77,8 @@ class JudgedRun {
         radius_m_(pick_radius_m()),
         bodies_(three_bodies(random, radius_m_)),
         device_(judged_device(random)),
-        loop_(bodies_.world(), device_, settings()),
-        shadow_(bodies_.world(), {.radius_m = radius_m_}) {
+        loop_(test::made(HapticLoop::create(bodies_.world(), device_, settings()))),
+        shadow_(test::made(GodObject::create(bodies_.world(), {.radius_m = radius_m_}))) {
     for (std::size_t b = 0; b < bodies_.world().bodies.size(); ++b) {
       judges_.emplace_back(bodies_.triangles(b));
     }

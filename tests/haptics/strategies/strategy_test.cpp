@@ -14,6 +14,7 @@
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
 #include "haptics/strategies/anisotropic.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/ticks.h"
 #include "tests/helpers/worlds.h"
@@ -137,8 +138,8 @@ TEST(Strategies, ThatForceAndA4DescribeGiveTheirBits) {
       plain.coupling = stated.coupling;
       plain.force = e.force;
       plain.a4.enabled = e.a4;
-      HapticLoop a(world.world(), device, stated);
-      HapticLoop b(world.world(), device, plain);
+      auto a = test::made(HapticLoop::create(world.world(), device, stated));
+      auto b = test::made(HapticLoop::create(world.world(), device, plain));
       for (const Vec3& p : path_into_box(random)) {
         const TickRecord& record = a.tick(p, kTick_s);
         ASSERT_EQ(std::memcmp(&record, &b.tick(p, kTick_s), sizeof record), 0) << e.name;
@@ -155,8 +156,9 @@ TEST(Strategies, OfAnisotropyOneEqualMaskButForTheFullForce) {
   int contacts = 0;
   for (int run = 0; run < 8; ++run) {
     const ActuationModel device = motors_anywhere(random);
-    HapticLoop a(world.world(), device, settings_of({&kAnisotropicStrategy, 1.0}));
-    HapticLoop b(world.world(), device, settings_of(strategy("mask")));
+    auto a = test::made(
+        HapticLoop::create(world.world(), device, settings_of({&kAnisotropicStrategy, 1.0})));
+    auto b = test::made(HapticLoop::create(world.world(), device, settings_of(strategy("mask"))));
     for (const Vec3& p : path_into_box(random)) {
       TickRecord record = a.tick(p, kTick_s);
       const TickRecord& expected = b.tick(p, kTick_s);
@@ -180,8 +182,8 @@ TEST(Strategies, WithAStepOfTheirOwnDifferFromMask) {
   for (const char* name : {"a4-anticipate", "anisotropic:4", "cd"}) {
     Random random(23);
     const ActuationModel device = *ActuationModel::from_axes(3, {Vec3(0.6, 0.8, 0.0)});
-    HapticLoop a(world.world(), device, settings_of(strategy(name)));
-    HapticLoop b(world.world(), device, settings_of(strategy("mask")));
+    auto a = test::made(HapticLoop::create(world.world(), device, settings_of(strategy(name))));
+    auto b = test::made(HapticLoop::create(world.world(), device, settings_of(strategy("mask"))));
     bool differs = false;
     for (const Vec3& p : path_into_box(random)) {
       const TickRecord& record = a.tick(p, kTick_s);
@@ -198,8 +200,9 @@ TEST(Strategies, WithAStepOfTheirOwnIgnoreSwitches) {
   for (const char* name : {"a4-anticipate", "anisotropic:4", "cd"}) {
     Random random(24);
     const ActuationModel device = *ActuationModel::from_counts(2, 1);
-    HapticLoop switched(world.world(), device, settings_of(strategy(name)));
-    HapticLoop left(world.world(), device, settings_of(strategy(name)));
+    auto switched =
+        test::made(HapticLoop::create(world.world(), device, settings_of(strategy(name))));
+    auto left = test::made(HapticLoop::create(world.world(), device, settings_of(strategy(name))));
     int n = 0;
     for (const Vec3& p : path_into_box(random)) {
       switched.set_a4(n % 3 == 0);
@@ -224,8 +227,10 @@ TEST(StrategySettings, ThatContradictTheForceOrA4AreRefused) {
     settings = settings_of(strategy(name));
     settings.a4.enabled = !settings.a4.enabled;
     EXPECT_NE(error_of(settings).find("contradicts"), std::string::npos) << name;
-    HapticLoop loop(world.world(), *ActuationModel::from_counts(3, 1), settings);
-    EXPECT_EQ(loop.tick(Vec3(0.15, 0.0, 0.0), kTick_s).faults, kFaultBadSettings);
+    const auto loop =
+        HapticLoop::create(world.world(), *ActuationModel::from_counts(3, 1), settings);
+    ASSERT_FALSE(loop.ok()) << name;
+    EXPECT_EQ(loop.error().to_string(), error_of(settings));
   }
   HapticSettings settings = settings_of(strategy("mask"));
   settings.strategy = strategy("mask");
