@@ -213,27 +213,33 @@ def build_program(project, build, cmake, ninja, folder, changed):
         if not target or "cmake_pch" in entry["file"]:
             continue
         source = pathlib.Path(entry["file"])
-        sources = [source]
-        if "/Unity/" in entry["file"]:
-            sources = [pathlib.Path(name) for name in re.findall(r'^#include "([^"]+)"', source.read_text(), re.M)]
-        objects.setdefault(target[1], []).append(output)
-        if reached & set(sources):
+        is_unit = "/Unity/" in entry["file"]
+        sources = {pathlib.Path(name) for name in re.findall(r'^#include "([^"]+)"', source.read_text(), re.M)
+                   } if is_unit else {source}
+        is_reached = bool(reached & sources)
+        objects.setdefault(target[1], []).append((output, is_reached or is_unit))
+        if is_reached:
             compiled.setdefault(target[1], set()).update(sources)
     *_, link = run(ninja, "-C", fresh, "--quiet", "-t", "commands", "palpate").splitlines()
     words = []
     for word in shlex.split(link):
         library = re.search(r"lib(palpate_\w+)\.a$", word)
+        if library and not (build / word).exists():
+            sys.exit(f"{build / word} is missing; expected a build of the target palpate")
         if library and library[1] in compiled:
-            words += [name for name in objects[library[1]] if name not in words]
-        elif library:
-            expect((build / word).exists(), f"{build / word} is missing; expected a build of the target palpate")
-            words.append(str(build / word))
+            for name, is_compiled in objects.pop(library[1], ()):
+                if not is_compiled:  # a unit of its own, which BUILD has alone as well
+                    run("ar", "x", build / word, pathlib.Path(name).name, folder=fresh)
+                    name = pathlib.Path(name).name
+                words.append(name)
         else:
-            words.append(word)
-    run(ninja, "-C", fresh, "-j2", *(word for word in words if word.endswith(".o")))
+            words.append(str(build / word) if library else word)
+    run(ninja, "-C", fresh, "-j2", *(word for word in words if "CMakeFiles/" in word and word.endswith(".o")))
     run("sh", "-c", " ".join(word if word in ("&&", ":") else shlex.quote(word) for word in words), folder=fresh)
     shutil.copy2(build / "palpate-guard", fresh / "palpate-guard")
-    print(f"compiled {sum(map(len, compiled.values()))} sources of {len(compiled)} rooms: "
+    compiled = {target: sources for target, sources in compiled.items()
+                if any(f"/{target}.dir/" in word for word in words)}
+    print(f"compiled {sum(map(len, compiled.values()))} sources of {len(compiled)} libraries: "
           f"{', '.join(sorted(compiled))}", flush=True)
     return fresh / "palpate"
 
@@ -353,7 +359,7 @@ def check_driver(program, scene):
     listed = program.run("devices")
     for part in ("\nrail  ", "\n      travel ", "0.05 to 1 (0.2)", "100 to 2000 (1000)"):
         expect(part in listed, f"palpate devices lacks {part!r}:\n{listed}")
-    run_it = ("run", scene, "--seconds", 0.3, "--json", "--without-realtime", "--out", "on_rail", "--device")
+    run_it = ("run", scene, "--seconds", 2, "--json", "--without-realtime", "--out", "on_rail", "--device")
     program.refuses("travel: is 3; expected a number from 0.05 to 1", *run_it, "rail:port=/dev/null,travel=3")
     program.refuses('rate: is "5000"; expected a whole number from 100 to 2000', *run_it,
                     "rail:port=/dev/null,rate=5000")
@@ -403,7 +409,7 @@ def meta_of(path):
 
 def check_recording(program, models):
     star = models / "star.glb"
-    flags = ("--virtual", "--seconds", 2, "--a4", "off", "--out", "recorded", "--record")
+    flags = ("--virtual", "--seconds", 2, "--out", "recorded", "--record")
     program.run("run", star, *flags, "eased.palpate", "--strategy", "eased", "--eased-share", 0.25, codes=(0, 3))
     program.run("run", star, *flags, "mask.palpate", "--strategy", "mask", codes=(0, 3))
     recorded = sorted(program.folder.rglob("*.palpate"))
