@@ -224,14 +224,14 @@ def build_program(project, build, cmake, ninja, folder, changed):
     words = []
     for word in shlex.split(link):
         library = re.search(r"lib(palpate_\w+)\.a$", word)
-        if library and not (build / word).exists():
-            sys.exit(f"{build / word} is missing; expected a build of the target palpate")
         if library and library[1] in compiled:
             for name, is_compiled in objects.pop(library[1], ()):
                 if not is_compiled:  # a unit of its own, which BUILD has alone as well
                     run("ar", "x", build / word, pathlib.Path(name).name, folder=fresh)
                     name = pathlib.Path(name).name
                 words.append(name)
+        elif library and not (build / word).exists():
+            sys.exit(f"{build / word} is missing; expected a build of the target palpate")
         else:
             words.append(str(build / word) if library else word)
     run(ninja, "-C", fresh, "-j2", *(word for word in words if "CMakeFiles/" in word and word.endswith(".o")))

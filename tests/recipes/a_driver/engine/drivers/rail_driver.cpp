@@ -94,6 +94,7 @@ class RailDevice final : public GuardableDevice {
 
   const DeviceDescription& description() const noexcept override { return description_; }
   std::optional<std::string> start() override {
+    if (port_) return std::nullopt;
     auto port = SerialPort::open(settings_.port);
     if (!port) return port.error().to_string();
     port_.emplace(std::move(*port));
