@@ -25,6 +25,7 @@ FREE = ("tests", "benchmarks")  # may include every room
 MOST_FILES = 10
 MOST_LINES = 30
 WITHOUT_LIBRARY = {"engine/guard"}  # a program
+ADDITIONS = pathlib.PurePosixPath("tests/recipes")  # sources of rooms of a copy, which recipes_test.py checks
 GENERATED = {"compiled_effects.h"}  # by CMake, from the list of effects
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<(palpate/[^>]+)>)')
 
@@ -85,8 +86,9 @@ def sources(project):
     """The paths of all sources, relative to the project."""
     for folder in (*FOLDERS, *FREE):
         for path in sorted((project / folder).rglob("*")):
-            if path.suffix in SOURCES and path.is_file():
-                yield path.relative_to(project)
+            name = path.relative_to(project)
+            if path.suffix in SOURCES and path.is_file() and ADDITIONS not in name.parents:
+                yield name
 
 
 def public_header(project, included):

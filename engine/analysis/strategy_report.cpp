@@ -249,7 +249,7 @@ std::string explanation(const std::string& title, const std::string& text) {
   return html_element("p", html_element("strong", title) + " " + html_escaped(text)) + "\n";
 }
 
-std::string reading_html() {
+std::string comparison_reading_html() {
   return "<section id=\"reading\">\n<h2>How to read this</h2>\n" +
          explanation("What do the intervals mean?",
                      kSimulatedHandsSentence +
@@ -312,7 +312,7 @@ std::string comparison_html(const CompareSettings& settings,
                             " simulated hands and the same scenes.") +
       "\n</header>\n<main>\n" + answer_html(followings.front());
   for (const FollowingComparison& following : followings) out += following_html(following);
-  out += reading_html() + settings_html(settings) + "</main>\n";
+  out += comparison_reading_html() + settings_html(settings) + "</main>\n";
   return html_page(title, std::string(kReportStyle) + std::string(kComparisonStyle), out);
 }
 

@@ -234,7 +234,7 @@ void describe_device(const DeviceDescription& device, const IsGiven& is_given,
   settings.device.workspace_high_m[2] = 0.5 * side_m;
   settings.sensors = device.sensed_axes;
   settings.default_actuators = device.motor_count;
-  settings.encoder_quantum_m = device.encoder_quantum_m;
+  if (device.encoder_quantum_m > 0.0) settings.encoder_quantum_m = device.encoder_quantum_m;
   if (!is_given("--rate")) settings.rate_Hz = device.rate_Hz;
   settings.haptics.a4.enabled = request.a4 == A4Runs::kOn;
 }

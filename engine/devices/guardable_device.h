@@ -12,7 +12,8 @@
 namespace palpate {
 
 // The thread that owns the device calls these functions, between start() and stop() unless a
-// comment says otherwise.
+// comment says otherwise. GuardedRun starts the device before the session does: start() of a device
+// that is open does nothing.
 class GuardableDevice : public Device {
  public:
   // The open device, with O_NONBLOCK. The guard gets a duplicate. -1 before start() and after

@@ -53,7 +53,7 @@ struct Recorder::State {
   RecorderSettings settings;
   std::string path;
   RecordingFile file;
-  TickRing ring;
+  RecorderRing ring;
   EventRing events;
 
   // Of the recorder's thread.

@@ -21,9 +21,9 @@ namespace palpate {
 // Rows of ticks and the bytes of their inputs. One thread adds, another one takes. A tick appears
 // to the taker as a whole, with all its inputs, or not at all. All memory is allocated and touched
 // by the constructor.
-class TickRing {
+class RecorderRing {
  public:
-  TickRing(std::size_t rows, std::size_t input_bytes)
+  RecorderRing(std::size_t rows, std::size_t input_bytes)
       : slots_(std::max<std::size_t>(rows, 1)), input_bytes_(input_bytes) {}
 
   // Adds an input of the tick that add_tick() will end. False if there is no space.

@@ -11,16 +11,6 @@
 namespace palpate {
 namespace {
 
-constexpr EffectKeyName kKeyNames[] = {
-    {"stiffness", "stiffness", false},   {"damping", "damping", false},
-    {"staticFriction", "friction"},      {"dynamicFriction", "friction"},
-    {"textureHeight", "texture"},        {"creaseAngle", "shading"},
-    {"vibrationFrequency", "vibration"}, {"vibrationAmplitude", "vibration"},
-    {"vibrationWhen", "vibration"},      {"restitution", "restitution"},
-    {"impactMass", "restitution"},       {"impactDuration", "restitution"},
-    {"magnetForce", "magnet"},           {"magnetRange", "magnet"},
-    {"viscosity", "viscosity"},
-};
 constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
 constexpr const char* kHaptic = "MPEG_haptic_material";
 constexpr const char* kFrictionMap = "friction";
@@ -81,9 +71,10 @@ class Compiler {
 
   // A key of no effect in this build.
   MaybeError add_other(const MaterialParameter& parameter, const std::string& source) {
-    const auto known = std::find_if(std::begin(kKeyNames), std::end(kKeyNames),
+    const auto names = effect_key_names();
+    const auto known = std::find_if(names.begin(), names.end(),
                                     [&](const auto& k) { return k.key == parameter.key; });
-    if (known == std::end(kKeyNames)) {
+    if (known == names.end()) {
       if (source == kOverrideSource) return unknown_key(parameter);
       result_.report.not_understood.push_back(
           {parameter.key, parameter.value, parameter.element,
@@ -102,7 +93,7 @@ class Compiler {
   // An unknown key in a file may be meant for other programs; an unknown override is an error.
   Error unknown_key(const MaterialParameter& parameter) const {
     std::string keys(kSolidKey);
-    for (const EffectKeyName& name : kKeyNames) keys += ", " + std::string(name.key);
+    for (const EffectKeyName& name : effect_key_names()) keys += ", " + std::string(name.key);
     return error_at(owner_, parameter, quoted_text(parameter.key) + " is an unknown key",
                     "use one of the keys " + keys);
   }
@@ -442,10 +433,6 @@ std::optional<std::uint16_t> effect_number(std::string_view name) {
     if (types[i].name == name) return static_cast<std::uint16_t>(i);
   }
   return std::nullopt;
-}
-
-std::span<const EffectKeyName> effect_key_names() {
-  return kKeyNames;
 }
 
 }  // namespace palpate

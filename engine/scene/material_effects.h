@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/base/result.h"
+#include "haptics/effects/effect_keys.h"
 #include "haptics/effects/effect_program.h"
 #include "io/material_description.h"
 
@@ -99,13 +100,5 @@ inline constexpr std::string_view kSolidKey = "solid";
 
 // The index of an effect in compiled_effects(); no value if the effect is not in this build.
 std::optional<std::uint16_t> effect_number(std::string_view name);
-
-// The parameter keys of all effects of the project, including effects that are not in this build.
-struct EffectKeyName {
-  std::string_view key;
-  std::string_view effect;
-  bool zero_is_none = true;  // the value 0 is accepted even if the effect is not in this build
-};
-std::span<const EffectKeyName> effect_key_names();
 
 }  // namespace palpate
