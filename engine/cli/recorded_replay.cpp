@@ -80,7 +80,7 @@ std::optional<Error> apply_request(const RecordedReplayRequest& request, Recorde
 ReplayChange change_of(const RecordedReplayRequest& request) {
   ReplayChange change;
   for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
-    change.ignores[i] = request.changes("--" + std::string(kLiveSettings[i].name)) ||
+    change.ignores[i] = request.changes(kLiveSettings[i].of_run().option) ||
                         (kLiveSettings[i].is_of_strategy && request.strategy);
   }
   if (request.a4) change.ignores[live_setting("a4")] = true;

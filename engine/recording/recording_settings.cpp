@@ -327,8 +327,9 @@ std::string inputs_json() {
   nlohmann::ordered_json settings = nlohmann::ordered_json::array();
   for (const LiveSetting& setting : kLiveSettings) {
     settings.push_back({{"number", setting.number}, {"name", setting.name}});
-    if (!setting.unit.empty()) settings.back()["unit"] = setting.unit;
-    if (!setting.choices.empty()) settings.back()["choices"] = setting.choices;
+    const std::string_view unit = setting.of_run().unit;
+    if (!unit.empty()) settings.back()["unit"] = unit;
+    if (!setting.words().empty()) settings.back()["choices"] = setting.words();
   }
   nlohmann::ordered_json kinds = nlohmann::ordered_json::array();
   for (const InputKindFacts& facts : kInputKinds) {

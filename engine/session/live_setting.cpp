@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <variant>
+
+#include "engine/session/run_setting.h"
 
 namespace palpate {
 namespace {
@@ -27,16 +30,62 @@ double number_at(const TickInput& input, std::size_t place) {
 
 }  // namespace
 
-bool LiveSetting::can_be(double x) const noexcept {
-  switch (kind) {
+const RunSetting& LiveSetting::of_run() const noexcept {
+  return run_setting_with(number);
+}
+
+LiveSetting::Kind LiveSetting::kind() const noexcept {
+  const SettingValuePlace& place = of_run().value;
+  if (std::holds_alternative<SettingPlace<bool>>(place)) return Kind::kFlag;
+  return std::holds_alternative<SettingChoice>(place) ? Kind::kChoice : Kind::kNumber;
+}
+
+std::span<const std::string_view> LiveSetting::words() const noexcept {
+  const auto* const choice = std::get_if<SettingChoice>(&of_run().value);
+  return choice ? choice->words : std::span<const std::string_view>();
+}
+
+double LiveSetting::least() const noexcept {
+  return kind() == Kind::kNumber ? of_run().range.least : 0.0;
+}
+
+double LiveSetting::most() const noexcept {
+  switch (kind()) {
     case Kind::kFlag:
-      return x == 0.0 || x == 1.0;
+      return 1.0;
     case Kind::kChoice:
-      return x >= 0.0 && x < static_cast<double>(choices.size()) && x == std::floor(x);
+      return static_cast<double>(words().size()) - 1.0;
     case Kind::kNumber:
-      return std::isfinite(x);
+      return page_most;
   }
-  return false;
+  return 0.0;
+}
+
+double LiveSetting::value(const HapticSettings& settings) const noexcept {
+  const SettingValuePlace& place = of_run().value;
+  if (const auto* flag = std::get_if<SettingPlace<bool>>(&place)) {
+    return flag->read_haptics(settings) ? 1.0 : 0.0;
+  }
+  if (const auto* choice = std::get_if<SettingChoice>(&place)) {
+    return static_cast<double>(choice->get(settings));
+  }
+  return std::get_if<SettingPlace<double>>(&place)->read_haptics(settings);
+}
+
+void LiveSetting::put(HapticSettings& settings, double x) const noexcept {
+  const SettingValuePlace& place = of_run().value;
+  if (const auto* flag = std::get_if<SettingPlace<bool>>(&place)) {
+    flag->in_haptics(settings) = x != 0.0;
+  } else if (const auto* choice = std::get_if<SettingChoice>(&place)) {
+    choice->put(settings, static_cast<std::size_t>(x));
+  } else {
+    std::get_if<SettingPlace<double>>(&place)->in_haptics(settings) = x;
+  }
+}
+
+bool LiveSetting::can_be(double x) const noexcept {
+  if (kind() == Kind::kNumber) return std::isfinite(x);
+  return x >= 0.0 && x <= most() && x == std::floor(x);
 }
 
 void LiveSetting::set(HapticLoop& loop, double x) const noexcept {

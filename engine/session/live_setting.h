@@ -13,86 +13,60 @@
 
 namespace palpate {
 
-// A setting as a number: 0 or 1 for a flag, the place of the word for a choice.
+struct RunSetting;
+
+// A setting of a run (run_setting.h) that changes while a loop runs. Its unit, range and words and
+// its place in HapticSettings are those of that setting. Its value is a number: 0 or 1 for a flag,
+// the place of the word for a choice.
 struct LiveSetting {
   enum class Kind : std::uint8_t { kFlag, kChoice, kNumber };
 
-  std::uint32_t number;   // of its inputs in recordings: never changed, and never used again
-  std::string_view name;  // on the page and in messages
+  std::uint32_t number;    // of its inputs in recordings: never changed, and never used again
+  std::string_view name;   // on the page and in messages
+  std::string_view field;  // of the setting of a run
   std::string_view label;
   std::string_view key;  // of the keyboard
-  Kind kind;
-  std::string_view unit;
-  double most;                                // of a kNumber that a page may set; the least is 0
-  std::span<const std::string_view> choices;  // of a kChoice
-  bool is_of_strategy;                        // belongs to the strategy of a loop that has one
-  double (*value)(const HapticSettings& settings) noexcept;
-  void (*put)(HapticSettings& settings, double value) noexcept;
+  double page_most;      // of a kNumber: the largest that a page may set
+  bool is_of_strategy;   // belongs to the strategy of a loop that has one
   // Passes the value in the settings to a loop.
   void (*apply)(HapticLoop& loop, const HapticSettings& settings) noexcept;
 
-  // Whether the number is a flag, the place of a choice, or finite.
-  bool can_be(double value) const noexcept;
+  const RunSetting& of_run() const noexcept;
+  Kind kind() const noexcept;
+  std::span<const std::string_view> words() const noexcept;  // of a kChoice
+  // What a page may set.
+  double least() const noexcept;
+  double most() const noexcept;
+  double value(const HapticSettings& settings) const noexcept;
+  // x: a value that the setting can have.
+  void put(HapticSettings& settings, double x) const noexcept;
+
+  // Whether the number is a flag, the place of a word, or finite.
+  bool can_be(double x) const noexcept;
   // Sets the value of a loop. Call on the haptic thread.
-  void set(HapticLoop& loop, double value) const noexcept;
+  void set(HapticLoop& loop, double x) const noexcept;
 };
 
-inline constexpr std::array<std::string_view, 3> kForceModeNames = {"none", "actuated", "full"};
+inline void apply_a4(HapticLoop& loop, const HapticSettings& settings) noexcept {
+  loop.set_a4(settings.a4.enabled);
+}
+inline void apply_force(HapticLoop& loop, const HapticSettings& settings) noexcept {
+  loop.set_force(settings.force);
+}
+inline void apply_coupling(HapticLoop& loop, const HapticSettings& settings) noexcept {
+  loop.set_coupling(settings.coupling.stiffness_N_per_m, settings.coupling.damping_Ns_per_m);
+}
 
 // One line for each setting. The page lists it, LiveSettings passes it to the haptic thread,
 // recordings hold each change of it (InputKind::kSetting), replay makes and ignores these, and the
 // page is told the value of the loop. The actuated axes are no number: see InputKind::kActuation.
 inline constexpr std::array kLiveSettings = {
-    LiveSetting{
-        1,
-        "a4",
-        "A4",
-        "a",
-        LiveSetting::Kind::kFlag,
-        "",
-        1.0,
-        {},
-        true,
-        [](const HapticSettings& s) noexcept { return s.a4.enabled ? 1.0 : 0.0; },
-        [](HapticSettings& s, double value) noexcept { s.a4.enabled = value != 0.0; },
-        [](HapticLoop& loop, const HapticSettings& s) noexcept { loop.set_a4(s.a4.enabled); }},
-    LiveSetting{
-        2, "force", "force", "f", LiveSetting::Kind::kChoice, "", 2.0, kForceModeNames, true,
-        [](const HapticSettings& s) noexcept { return static_cast<double>(s.force); },
-        [](HapticSettings& s, double value) noexcept {
-          s.force = static_cast<ForceMode>(static_cast<int>(value));
-        },
-        [](HapticLoop& loop, const HapticSettings& s) noexcept { loop.set_force(s.force); }},
-    LiveSetting{
-        3,
-        "stiffness",
-        "stiffness",
-        "k",
-        LiveSetting::Kind::kNumber,
-        "N/m",
-        5000.0,
-        {},
-        false,
-        [](const HapticSettings& s) noexcept { return s.coupling.stiffness_N_per_m; },
-        [](HapticSettings& s, double value) noexcept { s.coupling.stiffness_N_per_m = value; },
-        [](HapticLoop& loop, const HapticSettings& s) noexcept {
-          loop.set_coupling(s.coupling.stiffness_N_per_m, s.coupling.damping_Ns_per_m);
-        }},
-    LiveSetting{
-        4,
-        "damping",
-        "damping",
-        "b",
-        LiveSetting::Kind::kNumber,
-        "N s/m",
-        50.0,
-        {},
-        false,
-        [](const HapticSettings& s) noexcept { return s.coupling.damping_Ns_per_m; },
-        [](HapticSettings& s, double value) noexcept { s.coupling.damping_Ns_per_m = value; },
-        [](HapticLoop& loop, const HapticSettings& s) noexcept {
-          loop.set_coupling(s.coupling.stiffness_N_per_m, s.coupling.damping_Ns_per_m);
-        }},
+    LiveSetting{1, "a4", "a4.enabled", "A4", "a", 0.0, true, apply_a4},
+    LiveSetting{2, "force", "force", "force", "f", 0.0, true, apply_force},
+    LiveSetting{3, "stiffness", "coupling.stiffness_N_per_m", "stiffness", "k", 5000.0, false,
+                apply_coupling},
+    LiveSetting{4, "damping", "coupling.damping_Ns_per_m", "damping", "b", 50.0, false,
+                apply_coupling},
 };
 
 // The place of a setting in the table. A name that it does not have does not compile.

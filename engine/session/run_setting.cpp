@@ -9,16 +9,17 @@
 #include "engine/session/live_setting.h"
 
 // The name and the place of a member of HapticSettings and RunSettings.
-#define HAPTIC(member) #member, in_haptics([](HapticSettings & s) -> auto& { return s.member; })
+#define HAPTIC(member) #member, in_haptics([](auto& s) -> auto& { return s.member; })
 #define RUN(member) #member, in_run([](RunSettings & s) -> auto& { return s.member; })
 #define CHOICE(member, words) \
 #member, choice_in_haptics( \
-               [](HapticSettings & s) -> auto& { return s.member; }, words)
+               [](auto& s) -> auto& { return s.member; }, words)
 
 namespace palpate {
 namespace {
 
 constexpr std::array<std::string_view, 3> kPresets = {"fast", "balanced", "exact"};
+constexpr std::array<std::string_view, 3> kForceModeNames = {"none", "actuated", "full"};
 constexpr std::array<std::string_view, 3> kEstimators = {"difference", "line", "adaptive"};
 constexpr std::array<std::string_view, 2> kTable1Forms = {"corrected", "printed"};
 constexpr std::array<std::string_view, 2> kStepRules = {"exact", "paper"};
@@ -28,7 +29,7 @@ constexpr std::array<std::string_view, 2> kNarrowPhases = {"float", "double"};
 // The work budget tells the presets apart.
 constexpr SettingChoice kAccuracy = {
     kPresets,
-    [](HapticSettings& s) {
+    [](const HapticSettings& s) {
       const auto is_set = [&](std::string_view name) {
         return accuracy_preset(name)->work_budget == s.god_object.accuracy.work_budget;
       };
@@ -161,6 +162,16 @@ constexpr RunSetting kSettings[] = {
     recorded_only(HAPTIC(initial_pose.translation_m.z()), {"initial_pose.o_m_z", 27}),
 };
 
+// By the places in kLiveSettings. A field that no line has does not compile.
+constexpr auto kSettingsOfLive = [] {
+  std::array<const RunSetting*, kLiveSettings.size()> found{};
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    found[i] = std::begin(kSettings);
+    while (found[i]->field != kLiveSettings[i].field) ++found[i];
+  }
+  return found;
+}();
+
 // The settings with this key, by its turn; turn 0 is the last one.
 template <class KeyOf>
 std::vector<const RunSetting*> by_turn(RunSettingTable table, KeyOf key_of) {
@@ -197,6 +208,12 @@ RunSettingTable run_settings() {
 const RunSetting& run_setting(std::string_view option) {
   return *std::find_if(std::begin(kSettings), std::end(kSettings),
                        [&](const RunSetting& setting) { return setting.option == option; });
+}
+
+const RunSetting& run_setting_with(std::uint32_t live_number) noexcept {
+  std::size_t i = 0;
+  while (kLiveSettings[i].number != live_number) ++i;
+  return *kSettingsOfLive[i];
 }
 
 std::vector<const RunSetting*> by_plan_turn(RunSettingTable table) {

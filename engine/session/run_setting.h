@@ -33,7 +33,8 @@ enum class SettingGroup : std::uint8_t {
 template <class Value>
 struct SettingPlace {
   Value& (*in_haptics)(HapticSettings&) = nullptr;
-  Value& (*in_run)(RunSettings&) = nullptr;  // null if in_haptics is not
+  Value& (*in_run)(RunSettings&) = nullptr;                       // null if in_haptics is not
+  const Value& (*read_haptics)(const HapticSettings&) = nullptr;  // with in_haptics
 
   Value& of(RunSettings& settings) const {
     return in_haptics ? in_haptics(settings.haptics) : in_run(settings);
@@ -44,7 +45,7 @@ struct SettingPlace {
 struct SettingChoice {
   std::span<const std::string_view> words;
   // The place of the word, or the number of words if no word has this value.
-  std::size_t (*get)(HapticSettings&);
+  std::size_t (*get)(const HapticSettings&);
   void (*put)(HapticSettings&, std::size_t);
 };
 
@@ -99,6 +100,10 @@ RunSettingTable run_settings();
 // The setting with this option. Requires that it exists.
 const RunSetting& run_setting(std::string_view option);
 
+// The setting that changes while a loop runs (live_setting.h) under this number. Requires that it
+// exists. Needs no search of the table: the haptic thread may call it.
+const RunSetting& run_setting_with(std::uint32_t live_number) noexcept;
+
 // The settings that have a plan key or a recorded key, by turn.
 std::vector<const RunSetting*> by_plan_turn(RunSettingTable table);
 std::vector<const RunSetting*> by_recorded_turn(RunSettingTable table);
@@ -111,10 +116,11 @@ std::string help_of(const RunSetting& setting, const std::string& usual = {});
 std::optional<Error> check_range(const RunSetting& setting, double value);
 std::optional<Error> check_range(const RunSetting& setting, int value);
 
+// at: takes settings that may be changed and settings that may not.
 template <class Function>
 constexpr auto in_haptics(Function at) {
   using Value = std::remove_reference_t<std::invoke_result_t<Function, HapticSettings&>>;
-  return SettingPlace<Value>{at, nullptr};
+  return SettingPlace<Value>{at, nullptr, at};
 }
 
 template <class Function>
@@ -127,7 +133,7 @@ constexpr auto in_run(Function at) {
 template <class Function>
 constexpr SettingChoice choice_in_haptics(Function, std::span<const std::string_view> words) {
   using Enum = std::remove_reference_t<std::invoke_result_t<Function, HapticSettings&>>;
-  return {words, [](HapticSettings& s) { return static_cast<std::size_t>(Function()(s)); },
+  return {words, [](const HapticSettings& s) { return static_cast<std::size_t>(Function()(s)); },
           [](HapticSettings& s, std::size_t word) { Function()(s) = static_cast<Enum>(word); }};
 }
 

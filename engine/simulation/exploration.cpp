@@ -7,13 +7,14 @@
 #include <sstream>
 #include <thread>
 
+#include "engine/rig/rig.h"
 #include "engine/session/haptic_thread.h"
-#include "engine/simulation/hand_session.h"
 #include "engine/simulation/path_coverage.h"
 #include "engine/simulation/path_plan.h"
 #include "engine/simulation/planned_hand.h"
 #include "engine/simulation/scene_cut.h"
 #include "engine/simulation/simulated_device.h"
+#include "engine/simulation/simulated_run.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
@@ -128,20 +129,23 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   if (!hand) return hand.error();
   ExplorationRun run;
   run.a4 = setup.haptics.a4.enabled;
-  const auto session =
-      HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m,
-                          {.keeper = std::make_unique<RecordKeeper>(ticks), .sink = settings.sink});
-  if (!session) return session.error();
+  SimulatedDevice device = device_in_hand(plant, setup, *hand->plan,
+                                          setup.haptics.initial_pose.point(hand->start_scene_m));
+  const auto rig = Rig::create(scene, setup, device,
+                               {.observers = {&device},
+                                .keeper = std::make_unique<RecordKeeper>(ticks),
+                                .sink = settings.sink});
+  if (!rig) return rig.error();
   if (settings.virtual_time) {
     constexpr std::uint64_t kReportEvery = 1000;
-    (*session)->run_simulated(ticks, [&](std::uint64_t n) {
+    run_simulated((*rig)->session(), setup.dt_s, ticks, [&](std::uint64_t n) {
       if (n % kReportEvery == 0) progress(static_cast<double>(n) / static_cast<double>(ticks));
       return is_stopped(stop);
     });
   } else {
-    run_realtime((*session)->session(), setup, ticks, progress, stop, run);
+    run_realtime((*rig)->session(), setup, ticks, progress, stop, run);
   }
-  RunRecords kept = (*session)->rig().take_keeper()->finish();
+  RunRecords kept = (*rig)->take_keeper()->finish();
   run.records = std::move(kept.records);
   run.summary = kept.summary;
   run.interrupted = run.records.size() < ticks;

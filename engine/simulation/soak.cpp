@@ -12,10 +12,11 @@
 #include <thread>
 #include <unistd.h>
 
+#include "engine/rig/rig.h"
 #include "engine/session/closed_surfaces.h"
 #include "engine/session/haptic_thread.h"
-#include "engine/simulation/hand_session.h"
 #include "engine/simulation/planned_hand.h"
+#include "engine/simulation/simulated_device.h"
 
 namespace palpate {
 namespace {
@@ -115,20 +116,20 @@ Result<SoakRun> soak(const Scene& scene, const RunSetup& setup, const SoakSettin
   auto hand = plan_hand(scene, setup, {settings.seconds, settings.seed, laps});
   if (!hand) return hand.error();
   Counter counter;
-  const auto session = HandSession::create(scene, setup, plant, *hand->plan, hand->start_scene_m,
-                                           {.observers = {&counter}});
-  if (!session) return session.error();
+  SimulatedDevice device = device_in_hand(plant, setup, *hand->plan,
+                                          setup.haptics.initial_pose.point(hand->start_scene_m));
+  const auto rig = Rig::create(scene, setup, device, {.observers = {&counter, &device}});
+  if (!rig) return rig.error();
   const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / setup.dt_s));
   SoakRun run;
   run.starts_inside = enclosing_object(scene, hand->start_scene_m);
   if (settings.keeps_cpu_times) run.cpu_ns.resize(std::min<std::uint64_t>(ticks, kMostKeptTimes));
-  HapticThread thread((*session)->session(), {1.0 / setup.dt_s, ticks, settings.cpu, run.cpu_ns});
+  HapticThread thread((*rig)->session(), {1.0 / setup.dt_s, ticks, settings.cpu, run.cpu_ns});
   run.realtime = thread.start();
   watch(thread, ticks, setup.dt_s, progress, stop, run);
   thread.stop();
   counter.move_to(run);
-  take_effects((*session)->rig().loop(), setup.haptics.measures_effects, {counter.step_ns()},
-               run.summary);
+  take_effects((*rig)->loop(), setup.haptics.measures_effects, {counter.step_ns()}, run.summary);
   run.tick_times = thread.times();
   run.interrupted = run.summary.ticks < ticks;
   run.cpu_ns.resize(std::min<std::uint64_t>(run.cpu_ns.size(), run.summary.ticks));

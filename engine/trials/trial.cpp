@@ -2,7 +2,9 @@
 
 #include <limits>
 
-#include "engine/simulation/hand_session.h"
+#include "engine/rig/rig.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/simulation/simulated_run.h"
 #include "engine/trials/operator_hand.h"
 #include "engine/trials/trial_clock.h"
 
@@ -56,18 +58,21 @@ Result<TrialOutcome> run_trial(const Scene& scene, const TrialWay& way, const Ru
   TrialClock clock(way, settings, radius_m, trial.dt_s);
   SinkObserver to_sink(sink);
   LoopTime loop_time;
+  SimulatedDevice device =
+      device_in_hand(plant, trial, hand, trial.haptics.initial_pose.point(hand.start_scene_m()));
   std::vector<TickObserver*> observers{&clock, &loop_time};
   if (sink) observers.push_back(&to_sink);
-  const auto session = HandSession::create(scene, trial, plant, hand, hand.start_scene_m(),
-                                           {.observers = observers});
-  if (!session) return session.error();
+  observers.push_back(&device);
+  const auto rig = Rig::create(scene, trial, device, {.observers = observers});
+  if (!rig) return rig.error();
   constexpr auto kUntilTheClockStops = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t before_start = 0;
   TrialOutcome outcome;
-  outcome.ticks = (*session)->run_simulated(kUntilTheClockStops, [&](std::uint64_t) {
-    if (!clock.has_started()) before_start = hand.recoveries();
-    return clock.is_over();
-  });
+  outcome.ticks =
+      run_simulated((*rig)->session(), trial.dt_s, kUntilTheClockStops, [&](std::uint64_t) {
+        if (!clock.has_started()) before_start = hand.recoveries();
+        return clock.is_over();
+      });
   outcome.loop_ns = loop_time.sum_ns;
   outcome.status = clock.status();
   outcome.measures = clock.measures();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "engine/session/run_setting.h"
 #include "haptics/check_settings.h"
 
 namespace palpate {
@@ -14,7 +15,7 @@ LiveSettings::LiveSettings(const Scene& scene, const RunSetup& setup)
       motor_template_(setup.device.motors) {
   for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
     wanted_.settings[i] = kLiveSettings[i].value(setup.haptics);
-    most_[i] = std::max(kLiveSettings[i].most, wanted_.settings[i]);
+    most_[i] = std::max(kLiveSettings[i].most(), wanted_.settings[i]);
   }
   for (int i = 0; i < setup.actuation.actuators(); ++i) {
     const Vec3& axis = setup.actuation.actuated_axis(i);
@@ -33,9 +34,11 @@ std::optional<Error> LiveSettings::check(std::size_t place, double value) const 
                                 " of this session; expected no change",
                             "start the session with another --strategy");
   }
-  if (setting.can_be(value) && value >= 0.0 && value <= most_[place]) return std::nullopt;
+  const double least = setting.least();
+  if (setting.can_be(value) && value >= least && value <= most_[place]) return std::nullopt;
   std::ostringstream text;
-  text << "is " << value << "; expected a number from 0 to " << most_[place] << " " << setting.unit;
+  text << "is " << value << "; expected a number from " << least << " to " << most_[place] << " "
+       << setting.of_run().unit;
   return invalid_argument(name, text.str());
 }
 

@@ -10,17 +10,19 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/session/run_setting.h"
+
 namespace palpate {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 Json json_of(const LiveSetting& setting, double value) {
-  switch (setting.kind) {
+  switch (setting.kind()) {
     case LiveSetting::Kind::kFlag:
       return value != 0.0;
     case LiveSetting::Kind::kChoice:
-      return setting.choices[static_cast<std::size_t>(value)];
+      return setting.words()[static_cast<std::size_t>(value)];
     case LiveSetting::Kind::kNumber:
       return value;
   }
@@ -87,7 +89,7 @@ void PageSettings::add_loop_setting(std::size_t place, bool has_full_force) {
   Setting setting{std::string(row.name), std::string(row.label)};
   setting.key = row.key;
   const auto set = [this, place](double value) { return live_.set(place, value); };
-  switch (row.kind) {
+  switch (row.kind()) {
     case LiveSetting::Kind::kFlag:
       setting.kind = "flag";
       setting.change = [name = setting.name, set](const SettingValue& value) {
@@ -99,13 +101,14 @@ void PageSettings::add_loop_setting(std::size_t place, bool has_full_force) {
       break;
     case LiveSetting::Kind::kChoice:
       setting.kind = "choice";
-      setting.choices.assign(row.choices.begin(), row.choices.end());
+      setting.choices.assign(row.words().begin(), row.words().end());
       if (place == live_setting("force") && !has_full_force) setting.choices.pop_back();
       add_choice(std::move(setting), set, [this, place] { return live_.value(place); });
       break;
     case LiveSetting::Kind::kNumber:
       setting.kind = "number";
-      setting.unit = row.unit;
+      setting.unit = row.of_run().unit;
+      setting.low = row.least();
       setting.high = live_.most(place);
       add_number(std::move(setting), set, [this, place] { return Json(live_.value(place)); });
       break;

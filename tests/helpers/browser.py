@@ -1,5 +1,6 @@
 """Opens pages of reports in headless Chromium, for tests."""
 
+import argparse
 import html
 import json
 import pathlib
@@ -42,6 +43,11 @@ function measure_texts(svg) {
           covering: covering,
           least: Math.min(...boxes.map((b, i) => texts[i].textContent.trim().length > 2 ?
               Math.min(b.width, b.height) : b.height))};
+}
+// What the page in a frame has requested.
+function requests_of(frame) {
+  return frame.contentWindow.performance.getEntriesByType('resource')
+      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
 }
 """
 
@@ -91,6 +97,37 @@ def measured_in_frames(browser, page, folder, script):
     if not found:
         sys.exit("the page was not measured\n" + "\n".join(console))
     return json.loads(html.unescape(found.group(1)))
+
+
+def width_and_request_problems(frame):
+    """frame: with the members width, content (the width of the page) and requests."""
+    wide = [f"the page is {frame['content']} px wide"] if frame["content"] > frame["width"] else []
+    return wide + [f"requests {name}" for name in frame["requests"]]
+
+
+def open_and_measure(script, frame_problems, browser, page, folder):
+    """What is wrong with the page: the lines on its console, and frame_problems() of each frame."""
+    path = folder / "page.html"
+    path.write_text(page, encoding="utf-8")
+    _, console = open_page(browser, path, folder / "profile")
+    problems = [f"on the console: {line}" for line in console]
+    for frame in measured_in_frames(browser, page, folder, script):
+        problems += [f"{frame['width']} px: {problem}" for problem in frame_problems(frame)]
+    return problems
+
+
+def parse_options(text, *arguments, make={"nargs": argparse.REMAINDER, "metavar": "PROGRAM"}):
+    """The options of a test: the arguments, and either a report or a program that makes one. text: the
+    documentation of the test; arguments: (name, options of add_argument())."""
+    parser = argparse.ArgumentParser(description=text.splitlines()[0])
+    for name, how in arguments:
+        parser.add_argument(name, **how)
+    parser.add_argument("report", nargs="?", type=pathlib.Path)
+    parser.add_argument("--make", **make)
+    options = parser.parse_args()
+    if (options.report is None) == (options.make is None):
+        parser.error("either a report or a program that makes one")
+    return options
 
 
 def run_test(report, make, problems_of, name="report.html"):

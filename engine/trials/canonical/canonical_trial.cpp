@@ -2,7 +2,9 @@
 
 #include <cmath>
 
-#include "engine/simulation/hand_session.h"
+#include "engine/rig/rig.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/simulation/simulated_run.h"
 #include "engine/trials/canonical/canonical_measures.h"
 #include "engine/trials/canonical/canonical_wall.h"
 #include "engine/trials/trial.h"
@@ -33,12 +35,13 @@ Result<CanonicalOutcome> run_canonical_trial(const Scene& wall, const RunSetup& 
   const double radius_m = setup.haptics.god_object.radius_m;
   CanonicalHand hand(person, conditions.cell.motion, display_Hz, radius_m);
   CanonicalMeasures measures(radius_m);
-  const auto session = HandSession::create(wall, setup, plant, hand, hand.start_scene_m(),
-                                           {.observers = {&measures}});
-  if (!session) return session.error();
+  SimulatedDevice simulated =
+      device_in_hand(plant, setup, hand, setup.haptics.initial_pose.point(hand.start_scene_m()));
+  const auto rig = Rig::create(wall, setup, simulated, {.observers = {&measures, &simulated}});
+  if (!rig) return rig.error();
   CanonicalOutcome outcome;
-  outcome.ticks = (*session)->run_simulated(
-      ticks_until_over(person, conditions.cell.motion, setup.dt_s),
+  outcome.ticks = run_simulated(
+      (*rig)->session(), setup.dt_s, ticks_until_over(person, conditions.cell.motion, setup.dt_s),
       [&](std::uint64_t) { return hand.is_over() || measures.is_spoilt(); });
   outcome.loop_ns = measures.loop_ns();
   outcome.is_spoilt = measures.is_spoilt();

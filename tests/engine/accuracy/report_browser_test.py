@@ -11,13 +11,12 @@ with verdicts are no wider than the frame, the advice comes first and the build 
 with 77 if no Chromium is installed.
 """
 
-import argparse
 import pathlib
 import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
-from browser import measured_in_frames, open_page, run_test
+from browser import measured_in_frames, open_page, parse_options, run_test
 
 CUT_PX = 1.0  # how far the box of a text may reach out of its diagram
 
@@ -69,12 +68,7 @@ def problems_of(browser, page, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("report", nargs="?", type=pathlib.Path)
-    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
-    options = parser.parse_args()
-    if (options.report is None) == (options.make is None):
-        parser.error("either a report or a program that makes one")
+    options = parse_options(__doc__)
     return run_test(options.report, options.make, problems_of)
 
 

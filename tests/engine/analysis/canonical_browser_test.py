@@ -12,12 +12,12 @@ rotation by A4; the diagrams of the ratio have the curve tan a as well; each tab
 columns within the frame. Exits with 77 if no Chromium is installed.
 """
 
-import argparse
+import functools
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
-from browser import measured_in_frames, open_page, run_test
+from browser import open_and_measure, parse_options, run_test, width_and_request_problems
 
 LEAST_TEXT_PX = 10.0  # the height of a line of text
 BOTH = ["NoR: the wall stands still", "R: A4 turns the wall",
@@ -42,13 +42,11 @@ function measure_frame(frame) {
         path.getBoundingClientRect().width > 0.5 * measured.width).length;
     return {...measured, curves: curves};
   });
-  const requests = frame.contentWindow.performance.getEntriesByType('resource')
-      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
   const boxes = [...page.querySelectorAll('.wide')].map(box => ({
       right: box.getBoundingClientRect().right, hidden: box.scrollWidth - box.clientWidth,
       rows: box.querySelectorAll('tbody tr').length}));
   return {width: frame.clientWidth, content: page.documentElement.scrollWidth, diagrams: diagrams,
-          requests: requests, boxes: boxes, title: page.title};
+          requests: requests_of(frame), boxes: boxes, title: page.title};
 }
 """
 
@@ -69,10 +67,7 @@ def diagram_problems(diagram, expected, frame_width):
 
 
 def frame_problems(frame):
-    problems = []
-    if frame["content"] > frame["width"]:
-        problems.append(f"the page is {frame['content']} px wide")
-    problems += [f"requests {name}" for name in frame["requests"]]
+    problems = width_and_request_problems(frame)
     if len(frame["diagrams"]) != len(DIAGRAMS):
         problems.append(f"{len(frame['diagrams'])} diagrams")
     for diagram, expected in zip(frame["diagrams"], DIAGRAMS):
@@ -84,27 +79,13 @@ def frame_problems(frame):
             problems.append(f"table {number}: {box}")
     if "simulated operators" not in frame["title"]:
         problems.append(f"the title is {frame['title']}")
-    return [f"{frame['width']} px: {problem}" for problem in problems]
-
-
-def problems_of(browser, page, folder):
-    path = folder / "page.html"
-    path.write_text(page, encoding="utf-8")
-    _, console = open_page(browser, path, folder / "profile")
-    problems = [f"on the console: {line}" for line in console]
-    for frame in measured_in_frames(browser, page, folder, MEASURE):
-        problems += frame_problems(frame)
     return problems
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("report", nargs="?", type=pathlib.Path)
-    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
-    options = parser.parse_args()
-    if (options.report is None) == (options.make is None):
-        parser.error("either a report or a program that makes one")
-    return run_test(options.report, options.make, problems_of, "canonical.html")
+    options = parse_options(__doc__)
+    return run_test(options.report, options.make,
+                    functools.partial(open_and_measure, MEASURE, frame_problems), "canonical.html")
 
 
 if __name__ == "__main__":

@@ -12,12 +12,12 @@ table of the best techniques is within the frame, and it says that the hands are
 77 if no Chromium is installed.
 """
 
-import argparse
+import functools
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
-from browser import measured_in_frames, open_page, run_test
+from browser import open_and_measure, parse_options, run_test, width_and_request_problems
 
 MEASURES = 16
 
@@ -25,14 +25,12 @@ MEASURE = """
 function measure_frame(frame) {
   const page = frame.contentDocument;
   page.querySelectorAll('details').forEach(part => part.open = true);
-  const requests = frame.contentWindow.performance.getEntriesByType('resource')
-      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
   const answer = page.querySelector('#answer');
   const best = [...answer.querySelectorAll('tbody tr')];
   const boxes = [...page.querySelectorAll('.wide')].map(box => ({
       right: box.getBoundingClientRect().right, scrolls: getComputedStyle(box).overflowX,
       rows: box.querySelectorAll('tbody tr').length}));
-  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, requests: requests,
+  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, requests: requests_of(frame),
           first: page.querySelector('main > section').id, boxes: boxes, best: best.length,
           beyond: best.filter(row => row.getBoundingClientRect().right > frame.clientWidth)
               .map(row => row.textContent),
@@ -42,10 +40,7 @@ function measure_frame(frame) {
 
 
 def frame_problems(frame):
-    problems = []
-    if frame["content"] > frame["width"]:
-        problems.append(f"the page is {frame['content']} px wide")
-    problems += [f"requests {name}" for name in frame["requests"]]
+    problems = width_and_request_problems(frame)
     problems += [f"beyond the frame: {text}" for text in frame["beyond"]]
     if frame["first"] != "answer":
         problems.append(f"begins with {frame['first']}")
@@ -59,27 +54,13 @@ def frame_problems(frame):
             problems.append(f"the answer does not say: {text}")
     if "simulated hands" not in frame["title"]:
         problems.append(f"the title is {frame['title']}")
-    return [f"{frame['width']} px: {problem}" for problem in problems]
-
-
-def problems_of(browser, page, folder):
-    path = folder / "page.html"
-    path.write_text(page, encoding="utf-8")
-    _, console = open_page(browser, path, folder / "profile")
-    problems = [f"on the console: {line}" for line in console]
-    for frame in measured_in_frames(browser, page, folder, MEASURE):
-        problems += frame_problems(frame)
     return problems
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("report", nargs="?", type=pathlib.Path)
-    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
-    options = parser.parse_args()
-    if (options.report is None) == (options.make is None):
-        parser.error("either a report or a program that makes one")
-    return run_test(options.report, options.make, problems_of)
+    options = parse_options(__doc__)
+    return run_test(options.report, options.make,
+                    functools.partial(open_and_measure, MEASURE, frame_problems))
 
 
 if __name__ == "__main__":

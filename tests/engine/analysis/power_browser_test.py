@@ -12,12 +12,12 @@ the numbers of people in its table are within the frame; there are PANELS panels
 and no text in them is cut, covers another or is tiny. Exits with 77 if no Chromium is installed.
 """
 
-import argparse
+import functools
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
-from browser import measured_in_frames, open_page, run_test
+from browser import open_and_measure, parse_options, run_test, width_and_request_problems
 
 LEAST_TEXT_PX = 10.0  # the height of a line of text; that of a letter is about two thirds
 
@@ -26,10 +26,8 @@ function measure_frame(frame) {
   const page = frame.contentDocument;
   page.querySelectorAll('details').forEach(part => part.open = true);
   const panels = [...page.querySelectorAll('.panels svg')].map(measure_texts);
-  const requests = frame.contentWindow.performance.getEntriesByType('resource')
-      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
   const people = [...page.querySelectorAll('#answer tbody tr')].map(row => row.children[2]);
-  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, requests: requests,
+  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, requests: requests_of(frame),
           first: page.querySelector('main > section').id, people: people.length, panels: panels,
           beyond: people.filter(cell => cell.getBoundingClientRect().right > frame.clientWidth)
               .map(cell => cell.textContent),
@@ -49,10 +47,7 @@ def panel_problems(panel):
 
 
 def frame_problems(frame, panels):
-    problems = []
-    if frame["content"] > frame["width"]:
-        problems.append(f"the page is {frame['content']} px wide")
-    problems += [f"requests {name}" for name in frame["requests"]]
+    problems = width_and_request_problems(frame)
     problems += [f"beyond the frame: {text}" for text in frame["beyond"]]
     if frame["first"] != "answer" or frame["people"] == 0:
         problems.append(f"begins with {frame['first']} and {frame['people']} tests")
@@ -63,28 +58,14 @@ def frame_problems(frame, panels):
     for number, box in enumerate(frame["boxes"]):
         if box["right"] > frame["width"] or box["scrolls"] != "auto":
             problems.append(f"table {number}: {box}")
-    return [f"{frame['width']} px: {problem}" for problem in problems]
+    return problems
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("panels", type=int)
-    parser.add_argument("report", nargs="?", type=pathlib.Path)
-    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
-    options = parser.parse_args()
-    if (options.report is None) == (options.make is None):
-        parser.error("either a report or a program that makes one")
-
-    def problems_of(browser, page, folder):
-        path = folder / "page.html"
-        path.write_text(page, encoding="utf-8")
-        _, console = open_page(browser, path, folder / "profile")
-        problems = [f"on the console: {line}" for line in console]
-        for frame in measured_in_frames(browser, page, folder, MEASURE):
-            problems += frame_problems(frame, options.panels)
-        return problems
-
-    return run_test(options.report, options.make, problems_of)
+    options = parse_options(__doc__, ("panels", {"type": int}))
+    problems_in = functools.partial(frame_problems, panels=options.panels)
+    return run_test(options.report, options.make,
+                    functools.partial(open_and_measure, MEASURE, problems_in))
 
 
 if __name__ == "__main__":

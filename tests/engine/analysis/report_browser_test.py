@@ -13,12 +13,13 @@ operators are named in the title and in each figure, and the report of people do
 Exits with 77 if no Chromium is installed.
 """
 
-import argparse
+import functools
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
-from browser import measured_in_frames, open_page, run_test
+from browser import (measured_in_frames, open_and_measure, parse_options, run_test,
+                     width_and_request_problems)
 
 LEAST_TEXT_PX = 10.0  # the height of a line of text; that of a letter is about two thirds
 FIGURE_6 = ["NoR: the scene stands still", "R: the scene turns",
@@ -35,13 +36,11 @@ function measure_frame(frame) {
   page.querySelectorAll('details').forEach(part => part.open = true);
   const diagrams = [...page.querySelectorAll('.figure6 svg, .figure7 svg')].map(measure_texts);
   const leading = [...page.querySelectorAll('.findings tr')].map(row => row.children[1]);
-  const requests = frame.contentWindow.performance.getEntriesByType('resource')
-      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
   return {width: frame.clientWidth, content: page.documentElement.scrollWidth, diagrams: diagrams,
           beyond: leading.filter(cell => cell.className == 'found' &&
               cell.getBoundingClientRect().right > frame.clientWidth).map(cell => cell.textContent),
           verdicts: leading.filter(cell => cell.className == 'found').length,
-          requests: requests, title: page.title,
+          requests: requests_of(frame), title: page.title,
           first: page.querySelector('main > section').id, text: page.body.textContent,
           figures: [...page.querySelectorAll('figcaption')].map(text => text.textContent)};
 }
@@ -64,11 +63,8 @@ def diagram_problems(diagram, i, who, frame_width):
 
 
 def frame_problems(frame, kind):
-    problems = []
+    problems = width_and_request_problems(frame)
     names = WHO[kind]
-    if frame["content"] > frame["width"]:
-        problems.append(f"the page is {frame['content']} px wide")
-    problems += [f"requests {name}" for name in frame["requests"]]
     problems += [f"beyond the frame: {text}" for text in frame["beyond"]]
     if frame["verdicts"] < 17:
         problems.append(f"{frame['verdicts']} verdicts of the leading following")
@@ -86,7 +82,7 @@ def frame_problems(frame, kind):
         problems.append("a title or caption does not say simulated operators")
     if kind == "people" and "imulated" in frame["title"] + frame["text"]:
         problems.append("people are called simulated")
-    return [f"{frame['width']} px: {problem}" for problem in problems]
+    return problems
 
 
 def check_requests_are_noticed(browser, folder):
@@ -99,26 +95,15 @@ def check_requests_are_noticed(browser, folder):
 
 
 def problems_of(kind, browser, page, folder):
-    path = folder / "page.html"
-    path.write_text(page, encoding="utf-8")
-    _, console = open_page(browser, path, folder / "profile")
-    problems = [f"on the console: {line}" for line in console]
     check_requests_are_noticed(browser, folder)
-    for frame in measured_in_frames(browser, page, folder, MEASURE):
-        problems += frame_problems(frame, kind)
-    return problems
+    problems_in = functools.partial(frame_problems, kind=kind)
+    return open_and_measure(MEASURE, problems_in, browser, page, folder)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("kind", choices=sorted(WHO))
-    parser.add_argument("report", nargs="?", type=pathlib.Path)
-    parser.add_argument("--make", nargs=argparse.REMAINDER, metavar="PROGRAM")
-    options = parser.parse_args()
-    if (options.report is None) == (options.make is None):
-        parser.error("either a report or a program that makes one")
+    options = parse_options(__doc__, ("kind", {"choices": sorted(WHO)}))
     return run_test(options.report, options.make,
-                    lambda *given: problems_of(options.kind, *given))
+                    functools.partial(problems_of, options.kind))
 
 
 if __name__ == "__main__":

@@ -12,14 +12,14 @@ figure for each parameter with the six conditions and all levels, and none of it
 another or is tiny. Exits with 77 if no Chromium is installed.
 """
 
-import argparse
+import functools
 import json
 import pathlib
 import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
-from browser import measured_in_frames, open_page, run_test
+from browser import open_and_measure, parse_options, run_test, width_and_request_problems
 
 LEAST_TEXT_PX = 9.0  # the height of a line of text
 LEVELS = {"sight_delay_s": [0.1, 0.2], "intention_noise_m": [0.001, 0.002],
@@ -46,9 +46,7 @@ function measure_frame(frame) {
       right: box.getBoundingClientRect().right, scrolls: getComputedStyle(box).overflowX,
       rows: box.querySelectorAll('tbody tr').length}));
   const answer = page.querySelector('#answer');
-  const requests = frame.contentWindow.performance.getEntriesByType('resource')
-      .map(entry => entry.name).filter(name => !name.startsWith('data:'));
-  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, requests: requests,
+  return {width: frame.clientWidth, content: page.documentElement.scrollWidth, requests: requests_of(frame),
           figures: figures, boxes: boxes, first: page.querySelector('main > section').id,
           rankings: answer.querySelectorAll('tbody tr').length, answer: answer.textContent};
 }
@@ -71,10 +69,7 @@ def figure_problems(figure, levels, width):
 
 
 def frame_problems(frame):
-    problems = []
-    if frame["content"] > frame["width"]:
-        problems.append(f"the page is {frame['content']} px wide")
-    problems += [f"requests {name}" for name in frame["requests"]]
+    problems = width_and_request_problems(frame)
     if frame["first"] != "answer":
         problems.append(f"begins with {frame['first']}")
     if frame["rankings"] != 9:
@@ -89,16 +84,6 @@ def frame_problems(frame):
         problems.append(f"figures: {[figure['id'] for figure in frame['figures']]}")
     for figure in frame["figures"]:
         problems += figure_problems(figure, LEVELS.get(figure["id"], []), frame["width"])
-    return [f"{frame['width']} px: {problem}" for problem in problems]
-
-
-def problems_of(browser, page, folder):
-    path = folder / "page.html"
-    path.write_text(page, encoding="utf-8")
-    _, console = open_page(browser, path, folder / "profile")
-    problems = [f"on the console: {line}" for line in console]
-    for frame in measured_in_frames(browser, page, folder, MEASURE):
-        problems += frame_problems(frame)
     return problems
 
 
@@ -116,13 +101,8 @@ def small_sweep(models):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("models", type=pathlib.Path)
-    parser.add_argument("report", nargs="?", type=pathlib.Path)
-    parser.add_argument("--make", metavar="PALPATE")
-    options = parser.parse_args()
-    if (options.report is None) == (options.make is None):
-        parser.error("either a report or a program that makes one")
+    options = parse_options(__doc__, ("models", {"type": pathlib.Path}), make={"metavar": "PALPATE"})
+    problems_of = functools.partial(open_and_measure, MEASURE, frame_problems)
     if options.report:
         return run_test(options.report, None, problems_of)
     with tempfile.TemporaryDirectory() as name:

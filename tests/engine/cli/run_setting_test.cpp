@@ -27,7 +27,7 @@ namespace {
 std::vector<RunSetting> with_added_settings() {
   std::vector<RunSetting> table(run_settings().begin(), run_settings().end());
   table.push_back({"anticipation.range_m",
-                   in_haptics([](HapticSettings & s) -> auto& { return s.anticipation.range_m; }),
+                   in_haptics([](auto& s) -> auto& { return s.anticipation.range_m; }),
                    "--reach",
                    SettingGroup::kTouch,
                    {0.0, 2.0},
@@ -37,7 +37,7 @@ std::vector<RunSetting> with_added_settings() {
                    {"reach_m"},
                    {"hand.reach_m"}});
   table.push_back({"a4.enabled",
-                   in_haptics([](HapticSettings & s) -> auto& { return s.a4.enabled; }),
+                   in_haptics([](auto& s) -> auto& { return s.a4.enabled; }),
                    "--turns",
                    SettingGroup::kTouch,
                    {},
@@ -76,7 +76,7 @@ nlohmann::json device() {
           "damping_Ns_per_m": 1, "reach_m": 0.25, "turns": true})");
 }
 
-TEST(RunSettingTable, HasAnAddedSettingInTheHelpAndOnTheCommandLine) {
+TEST(AddedSetting, IsInTheHelpAndOnTheCommandLine) {
   const std::vector<RunSetting> table = with_added_settings();
   CLI::App app;
   RunOptions options;
@@ -97,7 +97,7 @@ TEST(RunSettingTable, HasAnAddedSettingInTheHelpAndOnTheCommandLine) {
   }
 }
 
-TEST(RunSettingTable, HasAnAddedSettingInPlans) {
+TEST(AddedSetting, IsInPlans) {
   const std::vector<RunSetting> table = with_added_settings();
   const auto settings = read_plan_device(device(), "/device", table);
   ASSERT_TRUE(settings.ok()) << settings.error().to_string();
@@ -116,7 +116,7 @@ TEST(RunSettingTable, HasAnAddedSettingInPlans) {
   EXPECT_FALSE(read_plan_device(device(), "/device").ok());  // without the added lines
 }
 
-TEST(RunSettingTable, HasAnAddedSettingInRecordings) {
+TEST(AddedSetting, IsInRecordings) {
   const std::vector<RunSetting> table = with_added_settings();
   RecordedSetup setup;
   setup.scene_path = std::string(PALPATE_MODELS_DIR) + "/star.glb";
@@ -143,7 +143,7 @@ TEST(RunSettingTable, HasAnAddedSettingInRecordings) {
   EXPECT_EQ(refused.error().to_string(), "hand.reach_m: has another type; expected a number");
 }
 
-TEST(RunSettingTable, ChecksAnAddedNumber) {
+TEST(AddedSetting, IsCheckedForItsRange) {
   const std::vector<RunSetting> table = with_added_settings();
   const RunSetting& reach = *(table.end() - 2);
   EXPECT_FALSE(check_range(reach, 2.0));
@@ -154,7 +154,7 @@ TEST(RunSettingTable, ChecksAnAddedNumber) {
   }
 }
 
-TEST(RunSettingTable, HasNoNameTwice) {
+TEST(AddedSetting, HasNoNameOfAnother) {
   std::set<std::string> names;
   for (const RunSetting& setting : run_settings()) {
     for (const std::string& name :
@@ -168,7 +168,7 @@ TEST(RunSettingTable, HasNoNameTwice) {
 }
 
 // A row of the manual is missing for the added lines, and for no other.
-TEST(RunSettingTable, IsTheListInTheManual) {
+TEST(AddedSetting, HasARowInTheManual) {
   std::ifstream file(std::string(PALPATE_MODELS_DIR) + "/../MANUAL.md");
   const std::string manual{std::istreambuf_iterator<char>(file), {}};
   std::string rows;

@@ -4,11 +4,13 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/recording/block_walk.h"
 #include "engine/recording/recording_check.h"
 #include "engine/recording/recording_file.h"
 #include "engine/recording/recording_replay.h"
+#include "engine/session/run_setting.h"
 #include "geometry/index/simd.h"
 #include "tests/engine/recording/scenario.h"
 #include "tests/helpers/gltf_builder.h"
@@ -239,6 +241,33 @@ TEST(Replay, AnswersWhatIf) {
   EXPECT_GT(outcome->recorded.a4_ticks, 0u);
   EXPECT_EQ(outcome->computed.ticks, recorded.given.rows.size());
   EXPECT_EQ(outcome->recorded.ticks, recorded.given.rows.size());
+}
+
+// Each line of kLiveSettings: a recording names it, has its changes, and a replay makes or ignores
+// them.
+TEST(AddedLiveSetting, IsInRecordingsAndTheirReplay) {
+  const Recorded recorded(10'000);
+  const auto reader = RecordingReader::open(recorded.path);
+  ASSERT_TRUE(reader);
+  const auto meta = reader->meta();
+  ASSERT_TRUE(meta);
+  const auto kinds = nlohmann::json::parse(std::get<std::string>(meta->at("input_kinds")));
+  const auto& named = kinds.at(static_cast<std::size_t>(InputKind::kSetting)).at("settings");
+  ASSERT_EQ(named.size(), kLiveSettings.size());
+  for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
+    const LiveSetting& setting = kLiveSettings[i];
+    SCOPED_TRACE(setting.name);
+    EXPECT_EQ(named[i].at("number"), setting.number);
+    EXPECT_EQ(named[i].at("name"), setting.name);
+    EXPECT_EQ(named[i].value("unit", ""), setting.of_run().unit);
+    EXPECT_EQ(named[i].contains("choices"), !setting.words().empty());
+    EXPECT_GT(recorded.given.settings[i], 0u);
+    ReplayChange without;
+    without.ignores[i] = true;
+    const auto outcome = recorded.replay({.change = without});
+    ASSERT_TRUE(outcome) << outcome.error().to_string();
+    EXPECT_EQ(outcome->ignored_inputs, recorded.given.settings[i]);
+  }
 }
 
 // A strategy has its own A4 and force: recorded switches of them are none that it refuses.

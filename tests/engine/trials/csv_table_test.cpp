@@ -26,7 +26,7 @@ TrialRow row_of_a_person() {
   return row;
 }
 
-TEST(TrialsTable, HasAnAddedColumnEverywhere) {
+TEST(AddedColumn, IsEverywhereInTrials) {
   test::expect_added_column_everywhere(trials_table(), row_of_a_person());
 }
 

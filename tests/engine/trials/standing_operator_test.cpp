@@ -9,7 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/simulation/hand_session.h"
+#include "engine/rig/rig.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/simulation/simulated_run.h"
 #include "engine/trials/operator_hand.h"
 #include "engine/trials/trial_clock.h"
 #include "models/primitives.h"
@@ -100,14 +102,16 @@ Standing stand(const PreparedObject& wall, const OperatorParameters& person, For
   const Vec3 outside_m = hand.start_scene_m() - wall.way.green_m;
   LedToTheWall plan(hand, outside_m.normalized() * -(outside_m.norm() + person.press_depth_m));
   TrialClock clock(wall.way, settings, 0.0, setup.dt_s);
-  const auto session = HandSession::create(wall.scene, setup, plant, plan, hand.start_scene_m(),
-                                           {.observers = {&clock}});
-  if (!session.ok()) {
-    ADD_FAILURE() << session.error().to_string();
+  SimulatedDevice device =
+      device_in_hand(plant, setup, plan, setup.haptics.initial_pose.point(hand.start_scene_m()));
+  const auto rig = Rig::create(wall.scene, setup, device, {.observers = {&clock, &device}});
+  if (!rig.ok()) {
+    ADD_FAILURE() << rig.error().to_string();
     return {};
   }
   const auto ticks = static_cast<std::uint64_t>(std::llround(duration_s / setup.dt_s));
-  (*session)->run_simulated(ticks, [&](std::uint64_t) { return clock.is_over(); });
+  run_simulated((*rig)->session(), setup.dt_s, ticks,
+                [&](std::uint64_t) { return clock.is_over(); });
   EXPECT_FALSE(plan.is_led()) << "the person never felt the wall";
   EXPECT_EQ(hand.recoveries(), 0u);
   const auto measures = clock.measures();

@@ -4,16 +4,20 @@
 
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/session/haptic_session.h"
+#include "engine/session/run_setting.h"
 #include "engine/session/run_setup.h"
 #include "engine/viewer/held_device.h"
 #include "engine/viewer/page_settings.h"
@@ -163,28 +167,39 @@ class Inputs final : public TickSink {
   void on_input(const TickInput& input) noexcept override {
     kinds.push_back(input.kind);
     for (const LiveChange& change : LiveChanges(input).all()) changes.push_back(change);
+    if (replayed == nullptr) return;
+    EXPECT_TRUE(LoopChanges(*replayed).make(input));
   }
   void on_tick(const TickRecord&, const TickReading&) noexcept override {}
   void on_trip(const GovernorTrip&) noexcept override {}
   void on_late(LateCause, const TickCost&) noexcept override {}
   std::vector<InputKind> kinds;
   std::vector<LiveChange> changes;
+  HapticLoop* replayed = nullptr;  // gets each input, as the loop of a replay does
 };
 
-// Each setting reaches the loop alone, and a recording gets one input for it. What the loop has
-// already is none.
-TEST(LiveSettings, GiveARecordingWhatChangedAndNoMore) {
+// What is tested of each line of kLiveSettings is what a line gives that is added.
+
+// Another value that a page may set.
+double other_value(const LiveSetting& setting, double now) {
+  if (setting.kind() != LiveSetting::Kind::kNumber) return now == 0.0 ? 1.0 : 0.0;
+  return 0.5 * now + 0.25;
+}
+
+// Each setting reaches the loop alone, a recording gets one input for it, and a replay of this
+// input changes the same. What the loop has already is no input.
+TEST(AddedLiveSetting, ReachesTheLoopARecordingAndItsReplay) {
   const RunSetup setup = made_setup(planar_settings());
   LiveSettings live(star(), setup);
   auto loop = test::made(HapticLoop::create(star().world(), setup.actuation, setup.haptics));
+  auto replayed = test::made(HapticLoop::create(star().world(), setup.actuation, setup.haptics));
   Inputs inputs;
+  inputs.replayed = &replayed;
   const auto tick = [&] { live.before_tick(0.0, LoopChanges(loop, &inputs)); };
   for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
     SCOPED_TRACE(kLiveSettings[i].name);
     const HapticSettings before = loop.settings();
-    const double value = kLiveSettings[i].kind == LiveSetting::Kind::kNumber
-                             ? 0.5 * live.value(i) + 0.25
-                             : (live.value(i) == 0.0 ? 1.0 : 0.0);
+    const double value = other_value(kLiveSettings[i], live.value(i));
     ASSERT_FALSE(live.set(i, value));
     tick();
     ASSERT_EQ(inputs.kinds, std::vector{InputKind::kSetting});
@@ -192,8 +207,9 @@ TEST(LiveSettings, GiveARecordingWhatChangedAndNoMore) {
     EXPECT_EQ(inputs.changes[0].setting, i);
     EXPECT_EQ(inputs.changes[0].value, value);
     for (std::size_t k = 0; k < kLiveSettings.size(); ++k) {
-      EXPECT_EQ(kLiveSettings[k].value(loop.settings()),
-                k == i ? value : kLiveSettings[k].value(before));
+      const double expected = k == i ? value : kLiveSettings[k].value(before);
+      EXPECT_EQ(kLiveSettings[k].value(loop.settings()), expected);
+      EXPECT_EQ(kLiveSettings[k].value(replayed.settings()), expected);
     }
     ASSERT_FALSE(live.set(i, value));  // again
     tick();
@@ -202,9 +218,68 @@ TEST(LiveSettings, GiveARecordingWhatChangedAndNoMore) {
     inputs.kinds.clear();
     inputs.changes.clear();
   }
+  inputs.replayed = nullptr;
   ASSERT_FALSE(live.set_axes({Vec3(0, 1, 0)}));
   tick();
   EXPECT_EQ(inputs.kinds, std::vector{InputKind::kActuation});
+}
+
+// The control of the page has unit, range, words and value of the setting of the run, and changes
+// the member of HapticSettings that this one has.
+TEST(AddedLiveSetting, IsOnThePageAsTheSettingOfARunStates) {
+  const RunSetup setup = made_setup(planar_settings());
+  LiveSettings live(star(), setup);
+  MaterialTuner tuner(star());
+  PageSettings page(star(), live, tuner, false, true);
+  const auto list = page.list();
+  ASSERT_EQ(list.size(), kLiveSettings.size());
+  for (std::size_t i = 0; i < kLiveSettings.size(); ++i) {
+    const LiveSetting& setting = kLiveSettings[i];
+    SCOPED_TRACE(setting.name);
+    const auto& shown = list[i];
+    const RunSetting& of_run = setting.of_run();
+    EXPECT_EQ(of_run.field, setting.field);
+    EXPECT_EQ(shown["name"], setting.name);
+    EXPECT_EQ(shown["label"], setting.label);
+    EXPECT_EQ(shown["key"], setting.key);
+    HapticSettings settings = setup.haptics;
+    const double value = other_value(setting, setting.value(settings));
+    setting.put(settings, value);
+    EXPECT_EQ(setting.value(settings), value);
+    if (const auto* flag = std::get_if<SettingPlace<bool>>(&of_run.value)) {
+      EXPECT_EQ(shown["kind"], "flag");
+      EXPECT_EQ(flag->in_haptics(settings), value == 1.0);
+    } else if (const auto* choice = std::get_if<SettingChoice>(&of_run.value)) {
+      EXPECT_EQ(shown["kind"], "choice");
+      ASSERT_EQ(shown["choices"].size(), choice->words.size());
+      for (std::size_t k = 0; k < choice->words.size(); ++k) {
+        EXPECT_EQ(shown["choices"][k], choice->words[k]);
+      }
+      EXPECT_EQ(static_cast<double>(choice->get(settings)), value);
+    } else {
+      EXPECT_EQ(shown["kind"], "number");
+      EXPECT_EQ(shown["unit"], of_run.unit);
+      EXPECT_FALSE(of_run.unit.empty());
+      EXPECT_EQ(shown["low"], of_run.range.least);
+      EXPECT_LE(shown["high"], of_run.range.most);
+      const auto* number = std::get_if<SettingPlace<double>>(&of_run.value);
+      ASSERT_NE(number, nullptr);
+      EXPECT_EQ(number->in_haptics(settings), value);
+    }
+  }
+}
+
+TEST(AddedLiveSetting, IsInTheManualByTheLabelOfThePage) {
+  std::ifstream file(std::string(PALPATE_MODELS_DIR) + "/../MANUAL.md");
+  const std::string manual{std::istreambuf_iterator<char>(file), {}};
+  LiveSettings live(star(), made_setup(planar_settings()));
+  MaterialTuner tuner(star());
+  std::string labels;
+  for (const auto& shown : PageSettings(star(), live, tuner, true, true).list()) {
+    labels += (labels.empty() ? "" : ", ") + shown["label"].get<std::string>();
+  }
+  const std::string expected = "- **Settings.** " + labels + " and the materials of the scene";
+  EXPECT_NE(manual.find(expected), std::string::npos) << "MANUAL.md lacks: " << expected;
 }
 
 // A recording may be hostile.
@@ -218,7 +293,7 @@ TEST(LiveChanges, AreThoseThatTheSettingsCanHave) {
     for (const double wrong : {nan, infinite, -infinite}) {
       EXPECT_EQ(changes(InputKind::kSetting, setting.number, {wrong}), 0u) << setting.name;
     }
-    if (setting.kind == LiveSetting::Kind::kNumber) continue;
+    if (setting.kind() == LiveSetting::Kind::kNumber) continue;
     for (const double wrong : {-1.0, 0.5, 3.0, 1e300}) {
       EXPECT_EQ(changes(InputKind::kSetting, setting.number, {wrong}), 0u) << setting.name;
     }

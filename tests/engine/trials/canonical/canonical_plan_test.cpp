@@ -287,7 +287,7 @@ TEST(CanonicalRows, AreReadAsTheyWereWritten) {
   }
 }
 
-TEST(CanonicalRows, HaveAnAddedColumnEverywhere) {
+TEST(AddedColumn, IsEverywhereInCanonicalTrials) {
   test::expect_added_column_everywhere(canonical_table(), row_of(1, 15.0, {}));
 }
 

@@ -11,7 +11,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/simulation/hand_session.h"
+#include "engine/rig/rig.h"
+#include "engine/simulation/simulated_device.h"
+#include "engine/simulation/simulated_run.h"
 #include "engine/trials/canonical/canonical_measures.h"
 #include "engine/trials/canonical/canonical_wall.h"
 #include "engine/trials/operator_file.h"
@@ -227,11 +229,13 @@ TEST_P(CanonicalPersons, StayInTheWorkspaceAndOnTheWall) {
       const RunSetup setup = canonical_setup(device_setup(), angle_deg, rotates);
       CanonicalHand hand(person_, CanonicalMotion::kStroked, 40.0, 0.0);
       Reach reach;
-      const auto session =
-          HandSession::create(*wall, setup, plant_of(setup, person_, random_.index(1'000'000)),
-                              hand, hand.start_scene_m(), {.observers = {&reach}});
-      ASSERT_TRUE(session.ok());
-      (*session)->run_simulated(1'000'000, [&](std::uint64_t) { return hand.is_over(); });
+      SimulatedDevice device =
+          device_in_hand(plant_of(setup, person_, random_.index(1'000'000)), setup, hand,
+                         setup.haptics.initial_pose.point(hand.start_scene_m()));
+      const auto rig = Rig::create(*wall, setup, device, {.observers = {&reach, &device}});
+      ASSERT_TRUE(rig.ok());
+      run_simulated((*rig)->session(), setup.dt_s, 1'000'000,
+                    [&](std::uint64_t) { return hand.is_over(); });
       EXPECT_LT(reach.device_m, 0.5 * workspace_extent_m(setup.device));
       EXPECT_LT(reach.along_m, kWallHalfLength_m);
       // The stroke is 100 mm less the lag and the noise of the hand, and the way that the ghost

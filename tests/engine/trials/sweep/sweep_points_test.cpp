@@ -27,7 +27,7 @@ using test::sweep_of;
 
 constexpr int kAllPoints = 1 + 18 + 6;  // of small_sweep_json(): base, levels, hypercube
 
-TEST(SweepRows, HaveAnAddedColumnEverywhere) {
+TEST(AddedColumn, IsEverywhereInSweeps) {
   SweepRow row;
   row.point = 3;
   row.varied = kScale;
