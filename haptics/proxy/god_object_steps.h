@@ -111,9 +111,9 @@ inline void GodObject::limit_detours() {
 // What move() knows of its tick.
 struct GodObject::Tick {
   WorkUnits work_of_bodies = 0;  // of move_bodies() in this tick
-  bool keeps_planes =
-      false;  // the tick begins with the planes of the last one, which was cut short
-  // The tick repeats the interrupted step from identical input: it makes the same queries, and the
+  // The tick begins with the planes of the last one, which was cut short.
+  bool keeps_planes = false;
+  // It also repeats the interrupted step from identical input: it makes the same queries, and the
   // trace log answers them.
   bool repeats = false;
   int steps = 0;
