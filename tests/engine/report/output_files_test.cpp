@@ -292,7 +292,9 @@ TEST_F(OutputFilesTest, AFileThatAnotherProcessHasLockedIsNotReplaced) {
   for (const char* const name : {"a.palpate", "a.palpate-wal"}) {
     const auto refused = WholeFile::create(folder.path(name));
     EXPECT_FALSE(refused) << name;
-    if (!refused) EXPECT_NE(refused.error().problem.find("is in use"), std::string::npos);
+    if (!refused) {
+      EXPECT_NE(refused.error().problem.find("is in use"), std::string::npos);
+    }
   }
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
