@@ -62,8 +62,9 @@ void HapticSession::tick(double dt_s, std::int64_t late_ns, std::int64_t now_ns)
   const bool has_tripped = govern(record);
   command(record);
   last_delay_ns_ = now_ns == 0 ? 0 : monotonic_ns() - now_ns;
+  publish(record);
   recorder_.end_tick(record, read, time, session_ticks_++, *governor_, has_tripped);
-  publish(record, has_tripped);
+  tell_observers(record, has_tripped);
 }
 
 // A tick of a paused session.
@@ -133,9 +134,12 @@ void HapticSession::command(const TickRecord& record) noexcept {
   device_.command(command);
 }
 
-void HapticSession::publish(const TickRecord& record, bool has_tripped) noexcept {
+void HapticSession::publish(const TickRecord& record) noexcept {
   published_.publish(record);
   published_status_.publish(governor_->status());
+}
+
+void HapticSession::tell_observers(const TickRecord& record, bool has_tripped) noexcept {
   for (TickObserver* observer : parts_.observers) {
     if (has_tripped) observer->on_trip(governor_->status().trip);
     observer->on_tick(record);

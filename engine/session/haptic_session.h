@@ -137,7 +137,8 @@ class HapticSession {
   TickRecord run_loop(const DeviceSample& sample, double dt_s) noexcept;
   bool govern(TickRecord& record) noexcept;
   void command(const TickRecord& record) noexcept;
-  void publish(const TickRecord& record, bool has_tripped) noexcept;
+  void publish(const TickRecord& record) noexcept;
+  void tell_observers(const TickRecord& record, bool has_tripped) noexcept;
 
   HapticLoop& loop_;
   Device& device_;

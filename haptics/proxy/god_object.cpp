@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/exact/orientation.h"
 #include "haptics/proxy/check_god_object_settings.h"
 #include "haptics/proxy/god_object_escapes.h"
 

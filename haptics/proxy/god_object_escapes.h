@@ -142,8 +142,8 @@ GodObject::Progress GodObject::rests_or_slides_on_faces(Friction& friction) {
 // each pair of faces, and then past the obstacle that such a slide meets. Last, it tries to pass
 // the edges and corners that the point does not touch. If two nearly parallel faces are closer to
 // each other than the proxy may come to either, rounding decides whether an attempt succeeds. A
-// stuck point can be nearer to its own face than it may come to the next
-// face; the edge of the next face then blocks it.
+// stuck point can be nearer to its own face than it may come to the next face; the edge of the next
+// face then blocks it.
 template <typename Friction>
 [[gnu::cold]] GodObject::Escape GodObject::leaves_edges(Progress progress, Friction& friction) {
   if constexpr (Friction::kHolds) {

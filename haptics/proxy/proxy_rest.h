@@ -25,7 +25,8 @@ struct SlideMemory {
 //
 // Invariants: at most three faces hold the proxy; they are the first of the known faces. Only a
 // face that holds the proxy may hold it by friction. A tick that was cut short was capped, a capped
-// tick goes on in the next one, and a settled tick was not capped: one state says all of this.
+// tick goes on in the next one, and a settled tick was not capped: one state says all of this. A
+// tick whose work the bodies used up moves nothing, and keeps the end of the tick before it.
 class ProxyRest {
  public:
   // The largest number of faces that hold a proxy.

@@ -39,7 +39,7 @@ enum Fault : std::uint32_t {
   kFaultBadBodyPose = 1u << 5,
   kFaultNonFiniteForce = 1u << 6,  // the computed force was not finite: zero force
   kFaultFarSample = 1u << 7,       // the position is farther than farthest_sample_m(): zero force
-  kFaultBadSettings = 1u << 8,     // reserved: only recordings of before have it
+  kFaultBadSettings = 1u << 8,     // reserved: no tick has it; recordings of older versions may
   kFaultInvalidSample = 1u << 9,   // the device marked the sample as invalid: zero force
   kFaultBadActuation = 1u << 10,   // new motor axes were ignored: they need other sensed axes
   // The work of magnets and media reached its limit. The nearest were computed; the force is
@@ -87,7 +87,7 @@ inline constexpr std::uint32_t kFaultsWithoutForce = kFaultsWithoutSample | kFau
 
 // What TickRecord::body and TickRecord::material contain in place of a number.
 inline constexpr std::int32_t kNothingTouched = -1;
-inline constexpr std::int32_t kTouchUnknown = -2;  // in a recording of before the member
+inline constexpr std::int32_t kTouchUnknown = -2;  // in a recording older than the member
 
 // The bits of TickRecord::touch: an event for sounds and logs. Only the ticks in which something
 // begins or ends have one.

@@ -87,6 +87,7 @@ DeviceDescription description_of(const RailSettings& settings) {
   return device;
 }
 
+// For a test only: it reads and writes its port in the tick. A real driver has a thread for that.
 class RailDevice final : public GuardableDevice {
  public:
   explicit RailDevice(RailSettings settings)
