@@ -75,7 +75,7 @@ std::int64_t now_ns() {
 
 // Expects that what was recorded is a whole beginning of what was handed over, and that `check`
 // says so. Everything is there that was handed over more than 500 ms before the end, not counting
-// the time that the recorder waited for a core.
+// the time that the recorder waited for a core or a disk.
 void expect_all_but_half_a_second(const std::string& path, const Handed& handed,
                                   std::int64_t killed_ns, std::int64_t waited_ns) {
   std::uint64_t promised = 0;
@@ -104,22 +104,58 @@ void expect_all_but_half_a_second(const std::string& path, const Handed& handed,
   EXPECT_FALSE(check->ending);
 }
 
-// How long the threads of a process, other than its first one, were ready and had no core: the
-// second number of schedstat. 0 if the system does not count it.
-std::int64_t waited_for_a_core_ns(pid_t process) {
-  std::int64_t waited_ns = 0;
+// Calls visit(folder of the thread in /proc) for each thread of a process but its first one.
+template <typename Visit>
+void for_each_other_thread(pid_t process, Visit visit) {
   std::error_code ignored;
   const std::string first = std::to_string(process);
   for (const auto& thread :
        std::filesystem::directory_iterator("/proc/" + first + "/task", ignored)) {
+    if (thread.path().filename() != first) visit(thread.path());
+  }
+}
+
+// How long the recorder of a process was ready and had no core: the second number of schedstat. 0
+// if the system does not count it.
+std::int64_t waited_for_a_core_ns(pid_t process) {
+  std::int64_t waited_ns = 0;
+  for_each_other_thread(process, [&](const std::filesystem::path& thread) {
     std::int64_t ran_ns = 0;
     std::int64_t thread_waited_ns = 0;
-    std::ifstream schedstat(thread.path() / "schedstat");
-    if (thread.path().filename() != first && schedstat >> ran_ns >> thread_waited_ns) {
-      waited_ns += thread_waited_ns;
-    }
-  }
+    std::ifstream schedstat(thread / "schedstat");
+    if (schedstat >> ran_ns >> thread_waited_ns) waited_ns += thread_waited_ns;
+  });
   return waited_ns;
+}
+
+// Whether the recorder of a process waits for a disk: the state D, behind the name in stat.
+bool waits_for_a_disk(pid_t process) {
+  bool waits = false;
+  for_each_other_thread(process, [&](const std::filesystem::path& thread) {
+    std::string line;
+    std::ifstream stat(thread / "stat");
+    if (!std::getline(stat, line)) return;
+    const std::size_t name_end = line.rfind(") ");
+    waits |= name_end != std::string::npos && line.compare(name_end + 2, 1, "D") == 0;
+  });
+  return waits;
+}
+
+// Waits, and returns for how long the recorder of a process waited for a disk meanwhile. A part
+// between two looks counts if either finds the recorder waiting.
+std::int64_t watch_disk_ns(pid_t process, Clock::duration time) {
+  const auto end = Clock::now() + time;
+  Clock::duration waited{};
+  bool waited_before = false;
+  for (auto last = Clock::now(); last < end;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const bool waits = waits_for_a_disk(process);
+    const auto now = Clock::now();
+    if (waits || waited_before) waited += now - last;
+    waited_before = waits;
+    last = now;
+  }
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(waited).count();
 }
 
 void kill_at_random(bool virtual_time) {
@@ -135,9 +171,9 @@ void kill_at_random(bool virtual_time) {
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) record_until_killed(path, virtual_time, handed);
-    std::this_thread::sleep_for(
-        std::chrono::microseconds(static_cast<int>(random.uniform(0, 2e6))));
-    const std::int64_t waited_ns = waited_for_a_core_ns(child);
+    const std::int64_t disk_ns =
+        watch_disk_ns(child, std::chrono::microseconds(static_cast<int>(random.uniform(0, 2e6))));
+    const std::int64_t waited_ns = disk_ns + waited_for_a_core_ns(child);
     const std::int64_t killed_ns = now_ns();
     ::kill(child, SIGKILL);
     int status = 0;
