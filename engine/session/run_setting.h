@@ -116,11 +116,12 @@ std::string help_of(const RunSetting& setting, const std::string& usual = {});
 std::optional<Error> check_range(const RunSetting& setting, double value);
 std::optional<Error> check_range(const RunSetting& setting, int value);
 
-// at: takes settings that may be changed and settings that may not.
+// The function takes settings that may be changed and settings that may not.
 template <class Function>
-constexpr auto in_haptics(Function at) {
+constexpr auto in_haptics(Function) {
   using Value = std::remove_reference_t<std::invoke_result_t<Function, HapticSettings&>>;
-  return SettingPlace<Value>{at, nullptr, at};
+  return SettingPlace<Value>{[](HapticSettings& s) -> Value& { return Function()(s); }, nullptr,
+                             [](const HapticSettings& s) -> const Value& { return Function()(s); }};
 }
 
 template <class Function>

@@ -19,7 +19,7 @@ import sys
 
 # Folders, and the sources of palpate_unchecked().
 OF_THE_TICK = re.compile(r"geometry/|haptics/|"
-                         r"engine/session/CMakeFiles/palpate_session\.dir/(haptic_session|node_motions)\.|"
+                         r"engine/session/CMakeFiles/palpate_session\.dir/(haptic_session|node_motions|session_recorder)\.|"
                          r"engine/simulation/CMakeFiles/palpate_simulation\.dir/(path_plan|simulated_device)\.")
 OTHER_PROGRAM = "make_record_decoder"  # runs while the page is built
 
