@@ -255,7 +255,7 @@ struct HostMessages {
   static std::vector<std::uint8_t> tick(std::uint8_t device, int pwms,
                                         const std::vector<float>& torques) {
     std::vector<std::uint8_t> bytes = {2, device};
-    bytes.insert(bytes.end(), static_cast<std::size_t>(pwms), 200);
+    for (int i = 0; i < pwms; ++i) bytes.push_back(200);
     for (const float torque : torques) put(bytes, torque);
     return bytes;
   }

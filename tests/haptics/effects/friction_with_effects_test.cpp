@@ -28,9 +28,9 @@ using test::effect_entry;
 using test::Random;
 using test::Soup;
 
-constexpr double kSheet_m = 0.03;     // half width
-constexpr double kPeriod_m = 0.03;    // of a map: u = x / period, v = y / period
-constexpr double kForceRatio = 1e-9;  // rounding of a force, relative: normals in the pose
+constexpr double kSheet_m = 0.03;      // half width
+constexpr double kMapPeriod_m = 0.03;  // of a map: u = x / period, v = y / period
+constexpr double kForceRatio = 1e-9;   // rounding of a force, relative: normals in the pose
 
 struct Felt {
   FrictionCone cone;
@@ -79,7 +79,7 @@ class Strips {
           CornerCoordinates corners;
           const Vec3* points[] = {&t.a, &t.b, &t.c};
           for (std::size_t k = 0; k < 3; ++k) {
-            corners[k] = {points[k]->x() / kPeriod_m, points[k]->y() / kPeriod_m};
+            corners[k] = {points[k]->x() / kMapPeriod_m, points[k]->y() / kMapPeriod_m};
           }
           attributes.texture_uv.push_back(UvMap::over(t, corners));
         });
@@ -96,11 +96,11 @@ class Strips {
     if (!maps_[strip]) return along_N;
     const Vec3 at = hand_.proxy();
     const HeightMap::Sample sample =
-        maps_[strip]->sample(at.x() / kPeriod_m, at.y() / kPeriod_m, 0.0);
+        maps_[strip]->sample(at.x() / kMapPeriod_m, at.y() / kMapPeriod_m, 0.0);
     if (sample.value >= 1.0) return along_N;
     const double relief_m = felts_[strip].relief_m * (sample.value - 1.0);
     const double compression_m = std::max(0.0, -hand_.goal().z() + relief_m);
-    const Vec3 slope = felts_[strip].relief_m / kPeriod_m * Vec3(sample.d_du, sample.d_dv, 0.0);
+    const Vec3 slope = felts_[strip].relief_m / kMapPeriod_m * Vec3(sample.d_du, sample.d_dv, 0.0);
     return along_N + test::kStiffness_N_per_m * compression_m * slope;
   }
 
