@@ -17,6 +17,8 @@ palpate_fuzz_targets=(fuzz_gltf fuzz_hapi_link fuzz_page fuzz_recording make_fuz
 
 palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens the report
 
+palpate_site_packages=(python3-sphinx python3-myst-parser furo)  # for docs/build.sh
+
 palpate_format_packages=(python3-numpy python3-zstandard python3-yaml)  # for FORMAT.md, CITATION.cff
 
 say() { printf 'palpate: %s\n' "$*" >&2; }

@@ -73,7 +73,7 @@ struct GovernorStatus {
   double given_J = 0.0;
   // The part of given_J that missing motors and A4 give by design: the work of the force that the
   // motors can push, less the work of the full force, which A4 and the missing motors do not
-  // change (numbers in ARCHITECTURE.md).
+  // change (docs/inside/haptics.md has a formula).
   double given_by_design_J = 0.0;
 };
 

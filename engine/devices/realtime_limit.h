@@ -10,7 +10,7 @@ namespace palpate {
 inline constexpr const char* kLimitsFile = "/etc/security/limits.d/palpate.conf";
 
 // Permits SCHED_FIFO to the haptic thread, the driver's thread and the guard: the number is above
-// all their priorities. MANUAL.md has the same line.
+// all their priorities. The site (docs) has the same line.
 inline std::string fifo_remedy() {
   return std::string("write `* - rtprio 90` to ") + kLimitsFile + " and log in again";
 }

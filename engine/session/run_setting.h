@@ -1,7 +1,8 @@
 #pragma once
 
 // The settings of a run, one line for each. The options of the command line with their help, the
-// keys of plans, the keys of recordings and the table in MANUAL.md follow from these lines.
+// keys of plans, the keys of recordings and the table in
+// docs/reference/settings.md follow from these lines.
 
 #include <cstddef>
 #include <cstdint>

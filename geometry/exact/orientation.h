@@ -25,7 +25,7 @@ struct SignWork {
 // that of points in one coordinate plane, which are frequent where boxes meet. Two alternatives are
 // no better. 113-bit arithmetic in software is slower and leaves some signs undecided. CGAL's
 // filtered kernel changes the rounding mode and is faster than exact expansions in one class of
-// inputs only. predicate_benchmark.cpp measures the times; benchmarks/RESULTS.md states them.
+// inputs only. predicate_benchmark.cpp measures the times; docs/study/results-loading.md has them.
 //
 // Counts in `work` which arithmetic decided the sign. Any frame, any unit. Requires that no product
 // of three coordinate differences overflows and that none of its last bits underflows, which holds

@@ -53,7 +53,7 @@ enum class CountingRule : std::uint8_t {
 };
 
 // One unit takes at most 23 ns with any kind of work under the second rule, measured on the machine
-// of benchmarks/RESULTS.md (work_prices.cpp).
+// of docs/study/results-ticks.md (work_prices.cpp).
 inline constexpr WorkPrices kFirstPrices = {6, 10, 10, 0, 6, 2, 4, 18, 18, 1,
                                             0, 0,  0,  0, 0, 0, 0, 0,  0};
 inline constexpr WorkPrices kSecondPrices = {14, 10, 12, 20, 6,  6, 9, 9, 26, 1,

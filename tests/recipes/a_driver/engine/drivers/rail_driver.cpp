@@ -8,6 +8,9 @@
 #include <cmath>
 #include <fcntl.h>
 #include <numbers>
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
 #include <sstream>
 #include <stdlib.h>
 #include <system_error>
@@ -19,6 +22,7 @@
 #include "engine/devices/light_device.h"
 #include "engine/devices/monotonic_clock.h"
 #include "engine/devices/serial_port.h"
+#include "engine/devices/snapshot_ring.h"
 
 // The rail sends the position of its handle and is sent the force of its motor, each as a decimal
 // number in a line of its own, m and N.
@@ -64,10 +68,11 @@ class LineNumber {
   double value_ = 0.0;
 };
 
-// A number as a line.
+// A number as a line, without an exponent.
 struct Line {
   explicit Line(double number) noexcept {
-    const auto [end, failed] = std::to_chars(bytes.data(), bytes.data() + bytes.size() - 1, number);
+    const auto [end, failed] = std::to_chars(bytes.data(), bytes.data() + bytes.size() - 1, number,
+                                             std::chars_format::fixed, 9);
     *end = '\n';
     length = static_cast<std::size_t>(end + 1 - bytes.data());
   }
@@ -87,75 +92,202 @@ DeviceDescription description_of(const RailSettings& settings) {
   return device;
 }
 
-// For a test only: it reads and writes its port in the tick. A real driver has a thread for that.
+// What the haptic thread asks for, and the time of its tick.
+struct RailForce {
+  double force_N = 0.0;
+  std::int64_t tick_ns = 0;
+};
+
+// What the driver's thread has seen and done.
+struct RailState {
+  double position_m = 0.0;
+  std::uint64_t samples = 0;
+  std::uint64_t commands = 0;
+  bool is_connected = true;
+  bool has_guard_stopped = false;
+};
+
+// One run of the driver's thread, which alone uses the port. A mailbox in each direction holds the
+// newest value, so that the haptic thread never waits for the port.
+class RailThread {
+ public:
+  RailThread(const RailSettings& settings, SerialPort port)
+      : port_(std::move(port)),
+        period_ns_(static_cast<std::int64_t>(1e9 / settings.rate_Hz)),
+        works_without_guard_(settings.works_without_guard) {
+    // Signals are for other threads.
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    thread_ = std::thread([this] { run(); });
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    // Where the system refuses this, GuardedRun refuses the device.
+    const sched_param priority{kDriverPriority};
+    pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority);
+  }
+  ~RailThread() { end(); }
+  RailThread(const RailThread&) = delete;
+  RailThread& operator=(const RailThread&) = delete;
+
+  // Of the haptic thread: neither blocks.
+  void command(const RailForce& force) noexcept { forces_.publish(force); }
+  bool read(RailState& state) const noexcept { return states_.read(state); }
+
+  // Of the owner's thread. Returns when the thread no longer uses the guard before.
+  void set_guard(WriteGuard* guard) noexcept {
+    guard_ = guard;
+    while (used_guard_ != guard) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  int descriptor() const noexcept { return port_.descriptor(); }
+  // Sends zero and ends the thread.
+  void end() noexcept {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  static constexpr int kDriverPriority = 80;
+  static constexpr std::int64_t kOldestForce_ns = 10'000'000;
+
+  void run() noexcept {
+    while (!ends_) {
+      exchange();
+      std::this_thread::sleep_for(std::chrono::nanoseconds(period_ns_));
+    }
+    send(0.0);  // or the rest of a message
+    send(0.0);
+    states_.publish(state_);
+  }
+
+  // Moves what can be moved, without waiting.
+  void exchange() noexcept {
+    WriteGuard* const guard = guard_;
+    if (guard && guard != used_guard_) epoch_ = guard->trip_epoch();
+    used_guard_ = guard;
+
+    std::array<std::uint8_t, 1024> bytes;
+    const auto count = port_.read(bytes);
+    if (!count) state_.is_connected = false;
+    state_.samples +=
+        static_cast<std::uint64_t>(position_m_.take(std::span(bytes).first(count.value_or(0))));
+    state_.position_m = position_m_.value();
+
+    const std::int64_t now_ns = monotonic_ns();
+    // This driver stays at zero after a trip of its guard; the session ends.
+    if (guard && (guard->trip_epoch() != epoch_ || !guard->is_alive(now_ns))) {
+      state_.has_guard_stopped = true;
+    }
+    RailForce force;
+    forces_.read(force);
+    const bool is_recent = now_ns - force.tick_ns < std::max(kOldestForce_ns, 5 * period_ns_);
+    const bool may_push = is_recent && !state_.has_guard_stopped && (guard || works_without_guard_);
+    if (send(may_push ? force.force_N : 0.0) && guard) {
+      // Before the first tick, no force can be old.
+      guard->beat(force.tick_ns != 0 ? force.tick_ns : now_ns, now_ns);
+    }
+    states_.publish(state_);
+  }
+
+  // Sends a message, or the rest of one that was cut. Whether the port has then taken all of it.
+  bool send(double force_N) noexcept {
+    if (sent_ == line_.length) {
+      line_ = Line(force_N);
+      sent_ = 0;
+    }
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(line_.bytes.data());
+    const auto written = port_.write(std::span(bytes, line_.length).subspan(sent_));
+    if (!written) state_.is_connected = false;
+    sent_ += written.value_or(0);
+    const bool is_whole = sent_ == line_.length;
+    state_.commands += is_whole;
+    return is_whole;
+  }
+
+  SerialPort port_;
+  std::int64_t period_ns_;
+  bool works_without_guard_;
+  LineNumber position_m_;
+  Line line_{0.0};
+  std::size_t sent_ = line_.length;
+  RailState state_;
+  std::uint64_t epoch_ = 0;
+  SnapshotRing<RailForce> forces_;
+  SnapshotRing<RailState> states_;
+  std::atomic<WriteGuard*> guard_{nullptr};
+  std::atomic<WriteGuard*> used_guard_{nullptr};
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
 class RailDevice final : public GuardableDevice {
  public:
   explicit RailDevice(RailSettings settings)
       : settings_(std::move(settings)), description_(description_of(settings_)) {}
+  ~RailDevice() override { stop(); }
 
   const DeviceDescription& description() const noexcept override { return description_; }
   std::optional<std::string> start() override {
-    if (port_) return std::nullopt;
+    if (thread_) return std::nullopt;
     auto port = SerialPort::open(settings_.port);
     if (!port) return port.error().to_string();
-    port_.emplace(std::move(*port));
-    return std::nullopt;
+    sample_ = {};
+    thread_ = std::make_unique<RailThread>(settings_, std::move(*port));
+    for (int n = 0; n < kMostWaits; ++n) {
+      if (thread_->read(sample_) && sample_.samples > 0) return std::nullopt;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    stop();
+    return settings_.port + ": sends no position; expected a rail (check its power)";
   }
   DeviceSample read(double) noexcept override {
-    std::array<std::uint8_t, 1024> bytes;
-    const auto count = port_ ? port_->read(bytes) : std::nullopt;
-    is_connected_ = count.has_value();
-    samples_ +=
-        static_cast<std::uint64_t>(position_m_.take(std::span(bytes).first(count.value_or(0))));
-    return {.position_m = {position_m_.value(), 0.0, 0.0},
-            .sequence = samples_,
-            .is_valid = samples_ > 0,
-            .asks_for_trip = !is_connected_ || has_guard_stopped_};
+    if (thread_) thread_->read(sample_);
+    return {.position_m = {sample_.position_m, 0.0, 0.0},
+            .sequence = sample_.samples,
+            .is_valid = sample_.samples > 0,
+            .asks_for_trip = !sample_.is_connected || sample_.has_guard_stopped};
   }
   void command(const DeviceCommand& command) noexcept override {
-    WriteGuard* const guard = guard_;
-    const std::int64_t now_ns = monotonic_ns();
-    if (guard) {
-      has_guard_stopped_ = guard->trip_epoch() != epoch_ || !guard->is_alive(now_ns);
-    }
-    const bool may_push = guard ? !has_guard_stopped_ : settings_.works_without_guard;
-    const Line line(may_push ? command.force_N[0] : 0.0);
-    if (!port_) return;
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(line.bytes.data());
-    const auto written = port_->write(std::span(bytes, line.length));
-    if (written == line.length) {
-      ++commands_;
-      if (guard) guard->beat(now_ns, monotonic_ns());
-    }
+    if (thread_) thread_->command({command.force_N[0], monotonic_ns()});
   }
-  void stop() noexcept override { port_.reset(); }
+  void stop() noexcept override {
+    if (!thread_) return;
+    thread_->end();
+    thread_->read(last_);
+    thread_.reset();
+  }
   DeviceHealth health() const override {
-    if (has_guard_stopped_) return {false, "the guard has stopped the motor (start again)"};
-    if (!is_connected_) return {false, "the port was disconnected (connect the rail)"};
+    const RailState state = newest();
+    if (state.has_guard_stopped) return {false, "the guard has stopped the motor (start again)"};
+    if (!state.is_connected) return {false, "the port was disconnected (connect the rail)"};
     return {};
   }
 
-  int descriptor() const noexcept override { return port_ ? port_->descriptor() : -1; }
+  int descriptor() const noexcept override { return thread_ ? thread_->descriptor() : -1; }
+  // The first byte ends a line that was cut: a part of a number without exponent is not larger.
   std::vector<std::uint8_t> zero_bytes() const override { return {'\n', '0', '\n'}; }
   void set_guard(WriteGuard* guard) noexcept override {
-    if (guard) epoch_ = guard->trip_epoch();
-    guard_ = guard;
+    if (thread_) thread_->set_guard(guard);
   }
   std::string summary() const override {
-    return std::to_string(samples_) + " positions, " + std::to_string(commands_) + " commands";
+    const RailState state = newest();
+    return std::to_string(state.samples) + " positions, " + std::to_string(state.commands) +
+           " commands";
   }
 
  private:
+  static constexpr int kMostWaits = 2000;  // of a millisecond, until the first position
+
+  RailState newest() const {
+    RailState state = last_;
+    if (thread_) thread_->read(state);
+    return state;
+  }
+
   RailSettings settings_;
   DeviceDescription description_;
-  std::optional<SerialPort> port_;
-  LineNumber position_m_;
-  std::uint64_t samples_ = 0;
-  std::uint64_t commands_ = 0;
-  std::uint64_t epoch_ = 0;
-  std::atomic<WriteGuard*> guard_{nullptr};
-  std::atomic<bool> has_guard_stopped_{false};
-  std::atomic<bool> is_connected_{true};
+  RailState sample_;  // the last one of the haptic thread
+  RailState last_;    // of the last session
+  std::unique_ptr<RailThread> thread_;
 };
 
 struct RailKey {
