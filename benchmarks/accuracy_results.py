@@ -1,5 +1,5 @@
-"""What accuracy costs: the table and the figure of RESULTS.md, from the rows
-accuracy_<knob>/<method>/<level> of a result.
+"""What accuracy costs: the table and the figure, from the rows accuracy_<knob>/<method>/<level> of a
+result.
 
 Counters of a row: error, error_low, error_high, time, time_low, time_high (median and quartiles),
 level; optionally is_default and failures. Rows of a method are ordered from coarse to fine.

@@ -51,9 +51,6 @@ LINE = 19  # between lines of text
 TEXT = 15
 LETTER = 0.52 * TEXT  # the mean width of a letter
 
-# Of the answer's sentences: untestable points, by their number and all points.
-UNTESTABLE = "{} of {} not testable, because nobody completed the trials"
-
 
 def read(folder):
     path = folder / "sweep.json"
@@ -87,14 +84,6 @@ def drawn(data):
     """The measures with a panel: whose share is neither 0 nor 1."""
     return [(words, name) for words, name in MEASURES
             if 0 < ranking(data, name)["holds"] < ranking(data, name)["points"]]
-
-
-def holds_text(row):
-    """At how many points a ranking holds."""
-    text = f"holds at {row['holds']} of {row['points']} testable points"
-    if row["untestable"]:
-        text += "; " + UNTESTABLE.format(row["untestable"], row["points"] + row["untestable"])
-    return text
 
 
 def answer(data):
@@ -189,28 +178,44 @@ def notes_of(data):
     return text
 
 
-def decisive_text(data, row):
-    """The parameters that decide most, with their parts, and p."""
+def decided_by(row):
     if row["p"] is None:
         return "none"
-    texts = [f"`{name}`: " + ", ".join(
-        f"{of['part']} " + ("not testable" if of["share"] is None
-                            else f"{percent(of['share'])} of {of['points']}")
-        for of in parts(data, row["ranking"], name)) for name in decisive(row)]
-    return ("; ".join(texts) or "none beyond chance") + f" (p = {row['p']:.2g})"
+    names = ", ".join(f"`{name}`" for name in decisive(row))
+    return (names or "none beyond chance") + f" (p = {row['p']:.2g})"
+
+
+def share_text(row):
+    if row["share"] is None:
+        return "-"
+    return f"{percent(row['share'])} ({100 * row['low']:.0f} to {percent(row['high'])})"
+
+
+def parts_lines(data):
+    """A list: of each ranking that a parameter decides, the share in each part of this parameter."""
+    lines = []
+    for row in data["rankings"]:
+        for name in decisive(row) if row["p"] is not None else []:
+            shares = ", ".join(f"{of['part']} " + ("not testable" if of["share"] is None else
+                                                   f"{percent(of['share'])} of {of['points']}")
+                               for of in parts(data, row["ranking"], name))
+            lines.append(f"- {row['ranking']}, `{name}`: {shares}.")
+    return lines
 
 
 def table(data):
-    """The table of RESULTS.md: each ranking, where it holds, and what decides most."""
-    rows = []
-    for row in data["rankings"]:
-        share = "" if row["share"] is None else (
-            f"{percent(row['share'])} ({100 * row['low']:.0f} to {percent(row['high'])}): ")
-        rows.append((f"{row['ranking']}: {row['order']}",
-                     [share + holds_text(row), decisive_text(data, row)]))
+    """Each ranking, where it holds, and what decides most."""
+    rows = [(f"{row['ranking']}: {row['order']}",
+             [f"{row['holds']} of {row['points']}", share_text(row), str(row["untestable"]),
+              decided_by(row)]) for row in data["rankings"]]
     counts = data["counts"]
-    return tables.markdown(["ranking", "holds at", "what decides most"], rows) + (
-        f"\n\n{data['points']['hypercube']} points of the hypercube; {counts['trials']} trials in all, "
+    lines = parts_lines(data)
+    if lines:
+        lines = ["Share of the testable points in each part of the parameter that decides most:", "",
+                 *lines, ""]
+    return tables.markdown(["ranking", "holds at", "share", "not testable", "what decides most"],
+                           rows) + "\n\n" + "\n".join(lines) + (
+        f"\n{data['points']['hypercube']} points of the hypercube; {counts['trials']} trials in all, "
         f"{counts['trials'] - counts['done']} of which did not end at the red sphere.")
 
 
