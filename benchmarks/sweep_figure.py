@@ -35,11 +35,12 @@ ASSUMPTIONS = {
 }
 HALVES = ("low half", "high half")
 
-LOW = "#ffffff"
-HIGH = "#1f5fbf"
-DECIDES = "#c62828"
-MUTED = "#555555"
-GRID = "#e1e4e8"
+LOW = "none"
+HIGH = svg.BLUE
+DECIDES = svg.RED
+MUTED = svg.INK
+GRID = "#78787859"
+RADIUS = 5
 
 WIDTH = 520
 MARGIN = 14
@@ -139,7 +140,7 @@ def draw_panel(picture, data, measure, frame, rows):
     for share, anchor in ((0.0, "start"), (1.0, "end")):
         picture.text((x_of(share), bottom + 18), f"{100 * share:.0f} %", TEXT, MUTED, anchor)
     picture.rectangle((x_of(of_all["low"]), top),
-                      ((of_all["high"] - of_all["low"]) * panel, bottom - top), "#f0f2f5")
+                      ((of_all["high"] - of_all["low"]) * panel, bottom - top), svg.FAINT)
     picture.line([(x_of(of_all["share"]), top), (x_of(of_all["share"]), bottom)], MUTED, 1, "4 3")
     for n, parameter in enumerate(rows):
         y = top + ROW * (n + 0.5)
@@ -148,10 +149,14 @@ def draw_panel(picture, data, measure, frame, rows):
         of = [row for row in parts(data, name, parameter) if row["share"] is not None]
         shares = [x_of(row["share"]) for row in of]
         if shares:
-            picture.line([(min(shares), y), (max(shares), y)], colour, 3 if decides else 1.5)
+            first, last = min(shares), max(shares)
+            for row, x in zip(of, shares):  # a line ends at the ring of a low half
+                if row["part"] == HALVES[0] and last - first > RADIUS:
+                    first, last = (first + RADIUS, last) if x == first else (first, last - RADIUS)
+            picture.line([(first, y), (last, y)], colour, 3 if decides else 1.5)
         for row, x in zip(of, shares):
             if row["part"] in HALVES:
-                picture.circle((x, y), 5, LOW if row["part"] == HALVES[0] else colour, colour, 1.8)
+                picture.circle((x, y), RADIUS, LOW if row["part"] == HALVES[0] else colour, colour, 1.8)
             else:
                 picture.rectangle((x - 3, y - 5), (6, 10), colour)
 
@@ -163,7 +168,7 @@ def draw_legend(picture, y):
         if fill == "word":
             picture.rectangle((x + 3, y - 10), (6, 10), colour)
         else:
-            picture.circle((x + 6, y - 5), 5, fill, colour, 1.8)
+            picture.circle((x + 6, y - 5), RADIUS, fill, colour, 1.8)
         picture.text((x + 16, y), text, TEXT)
         x += 34 + LETTER * len(text)
 
