@@ -5,8 +5,8 @@ the figures.
 update_results.py [--check] [--root DIR]
 
 A block stands between the lines <!-- measured:NAME:begin --> and <!-- measured:NAME:end -->; the
-rest of these files is written by hand. Each block has a page that must hold it (blocks_of); any other
-page of docs may show it too. --check changes nothing and exits with 1 if a block or a figure differs
+rest of these files is written by hand. Each block has a page that must hold it (blocks_of); README.md
+and any other page of docs may show it too. --check changes nothing and exits with 1 if a block or a figure differs
 from the results. --root: a folder with the same layout as the project.
 """
 
@@ -68,18 +68,6 @@ def a4_block(objects):
             f"{on['losses_of_contact']:.0f} times instead of {off['losses_of_contact']:.0f}.")
 
 
-def a4_objects_block(objects, people_deg):
-    def mean(run, key):
-        return sum(runs[run][key] for runs in objects.values()) / len(objects)
-
-    angles, energies_J = ([mean(run, key) for run in (0, 1)]
-                          for key in ("mean_contact_angle_deg", "port_work_J"))
-    return (f"Over the paper's {NUMBERS[len(objects)]} objects, the mean falls from {angles[0]:.1f} to "
-            f"{angles[1]:.1f} deg, and the energy that the device returns rises from "
-            f"{1000 * energies_J[0]:.0f} to {1000 * energies_J[1]:.0f} mJ; the paper's ten people had "
-            f"{people_deg[0]:.1f} deg without A4 and {people_deg[1]:.1f} deg with it.")
-
-
 def headline_block(machine, work):
     tick = [machine.counter("tick_sliding", key) for key in ("p50_ns", "p99_ns")]
     slowest_ns = longest_ns(work)
@@ -117,6 +105,18 @@ def speed_block(machine, work):
                  f"slow, took {slowest_ns / 1e6:.2f} ms. That is {100 * slowest_ns / TICK_NS:.0f} % of a "
                  f"tick at 1 kHz ({', '.join(work)}).")
     return "\n".join(lines) + "\n\n" + machine_line(machine)
+
+
+def a4_objects_block(objects, people_deg):
+    def mean(run, key):
+        return sum(runs[run][key] for runs in objects.values()) / len(objects)
+
+    angles, energies_J = ([mean(run, key) for run in (0, 1)]
+                          for key in ("mean_contact_angle_deg", "port_work_J"))
+    return (f"Over the paper's {NUMBERS[len(objects)]} objects, the mean contact angle falls from "
+            f"{angles[0]:.1f} to {angles[1]:.1f} deg, and the energy that the device returns rises from "
+            f"{1000 * energies_J[0]:.0f} to {1000 * energies_J[1]:.0f} mJ; the paper's ten people had "
+            f"{people_deg[0]:.1f} deg without A4 and {people_deg[1]:.1f} deg with it.")
 
 
 def machine_line(machine):
@@ -186,9 +186,7 @@ def blocks_of(root, machines):
         return {name: measured[name] for name in names}
 
     return {
-        README: {"a4": a4_block(objects),
-                 "a4_objects": a4_objects_block(objects, experiment_results.people_deg(experiment)),
-                 "headline": headline_block(newest, work)},
+        README: {"a4": a4_block(objects), "headline": headline_block(newest, work)},
         STUDY / "experiment.md": {"experiment": experiment_results.block(experiment),
                                   "findings": experiment_results.findings_block(experiment),
                                   "rules": contour_results.rules_block(contours)},
@@ -198,8 +196,9 @@ def blocks_of(root, machines):
         STUDY / "soak.md": {"soaks": soak_results.block(soaks)},
         STUDY / "accuracy.md": of_machines("accuracy"),
         STUDY / "results.md": {"speed": speed_block(newest, work), **of_machines("conditions")},
-        STUDY / "results-objects.md": {"objects": tables.objects_table(objects),
-                                       "contours": contour_results.block(contours)},
+        STUDY / "results-objects.md": {
+            "a4_objects": a4_objects_block(objects, experiment_results.people_deg(experiment)),
+            "objects": tables.objects_table(objects), "contours": contour_results.block(contours)},
         STUDY / "results-ticks.md": {"work": work_results.block(work),
                                      **of_machines("ticks", "queries", "ratios", "scans", "worst",
                                                    "effects")},
