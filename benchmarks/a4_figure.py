@@ -15,21 +15,22 @@ LATER_BELOW_DEG = [45.0, 20.0, 3.0]  # the later instants: the first tick at or 
 SAME_NORMAL = 1e-9
 ACTUATED_AXIS = (1.0, 0.0)  # A1, the only motor of the device with two sensors
 
-MOTOR = "#1f5fbf"
-WALL = "#c62828"
-MUTED = "#555555"
-TURN = "#6b7480"
+MOTOR = svg.BLUE
+WALL = svg.RED
+MUTED = svg.INK
+TURN = svg.INK
 
 WIDTH = 960
 MARGIN = 22
 GAP = 12
-LEGEND_Y = 108
-PANELS_TOP = 126
+LEGEND_Y = 138
+PANELS_TOP = 158
+TEXT = 17
 HEADER = 30
 ARROW_PX = 80
 NORMAL_PX = 70
 ANGLE_PX = 34
-LEGEND_X = [0, 172, 330, 484, 600]
+LEGEND_X = [0, 196, 374, 570, 690]
 LEFT_OF_CONTACT_M = 0.092  # so that the arrows do not leave the panel
 
 
@@ -144,9 +145,8 @@ def draw(data, objects):
     panel = (WIDTH - 2 * MARGIN - (len(instants) - 1) * GAP) / len(instants)
     scale = (panel - 16) / (high[0] - low[0])
     height = scale * (high[1] - low[1]) + 16
-    text_top = PANELS_TOP + HEADER + height + 52
-    picture = svg.Drawing(WIDTH, math.ceil(text_top + 200),
-                          "A4 turns the star until the touched wall faces the only motor")
+    text_top = PANELS_TOP + HEADER + height + 56
+    picture = svg.Drawing(WIDTH, 0, "A4 turns the star until the touched wall faces the only motor")
     picture.text((MARGIN, 36), "A4 turns the scene until the touched wall faces the motor", 24,
                  bold=True)
     picture.paragraph((MARGIN, 62),
@@ -154,7 +154,7 @@ def draw(data, objects):
                       "blue axis. The hand presses on one wall of the star (red) and slides along it. "
                       "Every panel shows the contact at the same place: the star turns, the motor "
                       "does not.",
-                      WIDTH - 2 * MARGIN)
+                      WIDTH - 2 * MARGIN, TEXT)
     draw_legend(picture)
     for n, instant in enumerate(instants):
         left = MARGIN + n * (panel + GAP)
@@ -163,7 +163,7 @@ def draw(data, objects):
             return (left + 8 + scale * (point[0] - low[0]),
                     PANELS_TOP + HEADER + 8 + scale * (high[1] - point[1]))
         draw_panel(picture, data, instant, (left, panel, height), place, star[n], n)
-    draw_text(picture, text_top, objects)
+    picture.height = math.ceil(draw_text(picture, text_top, objects))
     return picture.svg()
 
 
@@ -178,23 +178,23 @@ def draw_legend(picture):
     x, y, end = mark(2)
     picture.arrow((x, y), (end, y), WALL, 2.5)
     x, y, end = mark(3)
-    picture.circle((end - 8, y), 5.5, svg.INK, "#ffffff", 1.5)
+    picture.circle((end - 8, y), 5.5, svg.INK)
     x, y, end = mark(4)
     picture.line(svg.arc((x + 12, y + 7), 17, 0.0, 1.6), svg.INK, 1.5)
     for n, (text, colour) in enumerate([("the only motor", MOTOR), ("touched wall", WALL),
                                         ("contact normal", WALL), ("contact", svg.INK),
-                                        ("angle between normal and motor", svg.INK)]):
-        picture.text((mark(n)[2] + 8, LEGEND_Y), text, 14, colour)
+                                        ("angle to the motor", svg.INK)]):
+        picture.text((mark(n)[2] + 8, LEGEND_Y), text, TEXT, colour)
 
 
 def draw_panel(picture, data, instant, frame, place, star, n):
     left, panel, height = frame
     axis = data["actuated_axis_device"]
     angle = angle_deg(instant, axis)
-    picture.rectangle((left, PANELS_TOP), (panel, HEADER + height), "#f7f8fa", "#d5d8dd", 6)
-    picture.text((left + 10, PANELS_TOP + 22), f"{instant['t_s']:.2f} s", 15, MUTED)
+    picture.rectangle((left, PANELS_TOP), (panel, HEADER + height), "none", "#78787866", 6)
+    picture.text((left + 10, PANELS_TOP + 22), f"{instant['t_s']:.2f} s", TEXT, MUTED)
     picture.text((left + panel - 10, PANELS_TOP + 23), f"{angle:.0f}\u00b0", 20, svg.INK, "end", True)
-    picture.polygon([place(p) for p in star], "#dfe3e8", "#8a9099", 1.2)
+    picture.polygon([place(p) for p in star], svg.FAINT, svg.INK, 1.2)
     picture.line([place(from_contact(instant, p)) for p in touched_wall(data, instant)], WALL, 5)
     if n + 1 < len(data["instants"]):
         middle = place([sum(p[k] for p in star) / len(star) for k in (0, 1)])
@@ -213,19 +213,19 @@ def draw_panel(picture, data, instant, frame, place, star, n):
     first = math.atan2(along * axis[1], along * axis[0])
     turn = math.remainder(math.atan2(normal[1], normal[0]) - first, 2.0 * math.pi)
     picture.line(svg.arc(contact, ANGLE_PX, first, first + turn), svg.INK, 1.5)
-    picture.circle(contact, 5.5, svg.INK, "#ffffff", 1.5)
+    picture.circle(contact, 5.5, svg.INK)
 
     bottom = PANELS_TOP + HEADER + height
     share = math.cos(math.radians(angle))
-    picture.rectangle((left, bottom + 10), (panel, 8), "#e3e6ea", radius=4)
+    picture.rectangle((left, bottom + 10), (panel, 8), svg.FAINT, radius=4)
     picture.rectangle((left, bottom + 10), (panel * share, 8), MOTOR, radius=4)
-    picture.text((left, bottom + 36), f"force rendered: {100 * share:.0f} %", 14, MOTOR)
+    picture.text((left, bottom + 38), f"force rendered: {100 * share:.0f} %", TEXT, MOTOR)
 
 
 def draw_text(picture, top, objects):
+    """Returns the y below the text."""
     off, on = objects["star"]
-    means = sorted(runs[1]["mean_contact_angle_deg"] for runs in objects.values())
-    column = (WIDTH - 2 * MARGIN - 2 * 24) / 3
+    column = (WIDTH - 2 * MARGIN - 24) / 2
     columns = [
         ("What gets better",
          "Over one turn round the star, the mean angle between the touched wall's normal and the "
@@ -238,16 +238,13 @@ def draw_text(picture, top, objects):
          f"moves on. The device returns {1000 * off['port_work_J']:.0f} mJ without A4 and "
          f"{1000 * on['port_work_J']:.0f} mJ with it: the hand presses in against part of the force "
          "and is pushed out by all of it."),
-        ("Why people had 32.1\u00b0",
-         f"A simulated hand reaches {means[0]:.1f}\u00b0 to {means[-1]:.1f}\u00b0 on the paper's four "
-         "objects, the paper's ten people 32.1\u00b0. Likely reasons: the simulated hand moves at a "
-         "steady speed and seldom loses the wall, so that A4 seldom pauses; and the paper gives no "
-         "dimensions, so its shapes differ from these."),
     ]
+    below = top
     for n, (title, text) in enumerate(columns):
         x = MARGIN + n * (column + 24)
-        picture.text((x, top + 16), title, 17, bold=True)
-        picture.paragraph((x, top + 40), text, column)
+        picture.text((x, top + 16), title, 18, bold=True)
+        below = max(below, picture.paragraph((x, top + 42), text, column, TEXT))
+    return below
 
 
 def svg_of(folder):

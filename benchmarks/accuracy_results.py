@@ -1,5 +1,5 @@
-"""What accuracy costs: the table and the figure of RESULTS.md, from the rows
-accuracy_<knob>/<method>/<level> of a result.
+"""What accuracy costs: the table and the figure, from the rows accuracy_<knob>/<method>/<level> of a
+result.
 
 Counters of a row: error, error_low, error_high, time, time_low, time_high (median and quartiles),
 level; optionally is_default and failures. Rows of a method are ordered from coarse to fine.
@@ -10,6 +10,8 @@ import math
 import re
 import subprocess
 from typing import NamedTuple
+
+import svg
 
 PREFIX = "accuracy_"
 COUNTERS = ("error", "error_low", "error_high", "time", "time_low", "time_high", "level")
@@ -163,7 +165,7 @@ def table(rows):
 # Okabe and Ito's colours, and gnuplot's filled points.
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
 POINTS = [7, 5, 9, 11, 13, 15]
-COLUMNS = 3
+COLUMNS = 2
 PANEL_WIDTH, PLOT_HEIGHT, FONT_PX = 400, 250, 14
 LEFT, RIGHT, TOP, LEGEND_GAP, LEGEND_ROW, BOTTOM = 78, 14, 42, 62, 22, 14
 LEAST_DECADES = 0.2
@@ -304,7 +306,7 @@ def draw(text, path):
                           encoding="utf-8")
     if done.returncode != 0 or "</svg>" not in done.stdout:
         raise OSError(f"gnuplot did not draw it: {done.stderr.strip()[-200:]}")
-    svg = re.sub(r"<title>[^<]*</title>\s*|<desc>[^<]*</desc>\s*", "", done.stdout)
-    svg = svg.replace("</svg>", f"<!-- drawn by the script {hash_of(text)} -->\n</svg>")
+    picture = svg.on_any_ground(done.stdout).replace(
+        "</svg>", f"<!-- drawn by the script {hash_of(text)} -->\n</svg>")
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(svg, encoding="utf-8")
+    path.write_text(picture, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The README's table of the techniques for missing motors."""
+"""The tables of the techniques for missing motors."""
 
 import json
 
@@ -6,12 +6,25 @@ import result_tables as tables
 from result_tables import BadInput
 
 OPERATOR = "people2005"
-# Name of the row, measure, factor and format.
-ROWS = [("contact angle", "contact angle", 1, "%.1f deg"),
-        ("penetration", "penetration", 1e3, "%.1f mm"),
-        ("losses of contact", "losses of contact", 1, "%.1f"),
-        ("missing force", "missing force", 1, "%.2f N"),
-        ("port work", "port work", 1e3, "%.0f mJ")]
+# The tables: name of the column, measure, factor and format.
+GROUPS = [
+    [("contact angle", "contact angle", 1, "%.1f deg"),
+     ("penetration", "penetration", 1e3, "%.1f mm"),
+     ("losses of contact", "losses of contact", 1, "%.1f"),
+     ("losses of 0.1 s", "losses of 0.1 s", 1, "%.1f")],
+    [("missing force", "missing force", 1, "%.2f N"),
+     ("ghost force", "ghost force", 1, "%.2f N"),
+     ("total time", "total time", 1, "%.1f s"),
+     ("timeouts", "timeouts", 100, "%.0f %%")],
+    [("port work", "port work", 1e3, "%.0f mJ"),
+     ("work lost", "work lost", 1e3, "%.0f mJ"),
+     ("work along the wall", "work along the wall", 1e3, "%.0f mJ"),
+     ("work of one contact", "work of one contact", 1e3, "%.0f mJ")],
+    [("empty turns", "empty turns", 1, "%.1f"),
+     ("mean drift", "mean drift", 1e3, "%.0f mm"),
+     ("worst drift", "worst drift", 1e3, "%.0f mm"),
+     ("governed ticks", "governed ticks", 100, "%.2f %%")],
+]
 SHOWN = ("reference", "technique")
 
 
@@ -21,6 +34,7 @@ def read(folder):
     try:
         result = json.loads(path.read_text(encoding="utf-8"))
         block(result)
+        losses_block(result)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise BadInput(f"{path}: expected a result of measure_compare.py ({error!r})") from error
     return result
@@ -33,7 +47,9 @@ def means_of(result, measure):
 
 
 def cell(row, factor, pattern):
-    """Bold: the best technique or tied with it."""
+    """Bold: the best technique or tied with it. A drift of a scene that turned has no meaning."""
+    if row["mean"] is None:
+        return "-"
     text = pattern % (factor * row["mean"])
     return f"**{text}**" if row["standing"] in ("best", "tied") else text
 
@@ -44,27 +60,37 @@ def head(result, strategy):
     return f"`{strategy}`" + (" (*)" if row and 10 * row["done"] < 9 * row["trials"] else "")
 
 
-def listed(words):
-    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
+def measured(result, measure):
+    """Name of the column, factor and format of a measure."""
+    return next((name, *how) for group in GROUPS for name, key, *how in group if key == measure)
 
 
-def losses_sentence(result):
+def table(result, group):
+    """A row for each strategy, a column for each measure."""
+    strategies = list(means_of(result, group[0][1]))
+    rows = [(head(result, strategy), [cell(means_of(result, measure)[strategy], factor, pattern)
+                                      for _, measure, factor, pattern in group])
+            for strategy in strategies]
+    return tables.markdown([f"mean of {result['hands']} hands", *(name for name, *_ in group)], rows)
+
+
+def block(result):
+    return "\n\n".join(table(result, group) for group in GROUPS)
+
+
+def losses_block(result):
     """Where a4 loses to another technique; references are left out."""
     losses = {}
     for row in result["a4_losses"]:
         if row["role"] == "technique":
-            losses.setdefault(row["measure"], []).append(f"`{row['strategy']}`")
+            losses.setdefault(row["measure"], []).append(row["strategy"])
     if not losses:
         return "A4 loses to no other technique by any measure."
-    parts = [f"{measure} (to {listed(names)})" for measure, names in losses.items()]
-    return f"A4 loses by {'; '.join(parts)}."
-
-
-def block(result):
-    strategies = list(means_of(result, ROWS[0][1]))
-    rows = [(name, [cell(means_of(result, measure)[strategy], factor, pattern)
-                    for strategy in strategies])
-            for name, measure, factor, pattern in ROWS]
-    table = tables.markdown([f"mean of {result['hands']} hands",
-                             *(head(result, strategy) for strategy in strategies)], rows)
-    return table + "\n\n" + losses_sentence(result)
+    rows = []
+    for measure, names in losses.items():
+        title, factor, pattern = measured(result, measure)
+        means = means_of(result, measure)
+        texts = {name: pattern % (factor * means[name]["mean"]) for name in ["a4", *names]}
+        rows.append((title, [texts["a4"], ", ".join(f"`{name}` {texts[name]}" for name in names)]))
+    return tables.markdown([f"mean of {result['hands']} hands", "`a4`", "techniques that are better"],
+                           rows)

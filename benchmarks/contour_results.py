@@ -1,4 +1,4 @@
-"""The table of RESULTS.md and the README's sentence about a hand without delay."""
+"""The tables of a hand without delay."""
 
 import csv
 
@@ -9,7 +9,7 @@ OBJECTS = ("star", "labyrinth", "inverted_labyrinth", "lock")
 RULES = ("nearest", "forward")
 DURATIONS = ("27", "20")
 STARTS = ("0", "45")
-LEADING = "27"  # the duration in the README
+LEADING = "27"  # the duration of the table of the rules
 
 
 def read(path):
@@ -37,14 +37,17 @@ def block(means):
         [f"`{rule}`, {duration} s" for rule, duration in columns], rows)
 
 
-def sentence(means):
-    """The README's sentence, with the ranges over objects and starts."""
-    def reach(rule):
-        angles = [means[name, rule, LEADING, start] for name in OBJECTS for start in STARTS]
-        return f"{min(angles):.1f} to {max(angles):.1f} deg"
+def reached(means, rule):
+    """The range over objects and starts."""
+    angles = [means[name, rule, LEADING, start] for name in OBJECTS for start in STARTS]
+    return f"{min(angles):.1f} to {max(angles):.1f} deg"
 
-    return ("**Why our angles with A4 are below people's 32.1 deg.** One reason may be the rule. "
-            "Palpate turns the normal to the nearer end of the motor's axis; Table 1's acos, taken "
-            f"literally, turns it to the positive end (`--align forward`). In {LEADING} s, a hand "
-            f"without delay reaches {reach('nearest')} with our rule and {reach('forward')} with "
-            "the literal one ([table](benchmarks/RESULTS.md#a-hand-without-delay)).")
+
+def rules_block(means):
+    """What the two rules of alignment alone give."""
+    return tables.markdown(
+        [f"a hand without delay, {LEADING} s", "mean contact angle over the four objects"],
+        [("turns to the nearer end of the motor's axis (`--align nearest`, the default)",
+          [reached(means, "nearest")]),
+         ("turns to the positive end (`--align forward`), as Table 1's acos reads",
+          [reached(means, "forward")])])

@@ -1,4 +1,4 @@
-"""The README's table of the experiment: people, and two files of simulated operators."""
+"""The tables of the experiment: people, and two files of simulated operators."""
 
 import json
 
@@ -7,6 +7,7 @@ from result_tables import BadInput
 
 OPERATORS = ("people2005", "literature")
 LEADING = "delayed"  # the following that the tables show
+DISAGREES = "disagrees"
 
 
 def read(folder):
@@ -16,8 +17,8 @@ def read(folder):
         path = folder / f"{name}.json"
         try:
             results[name] = json.loads(path.read_text(encoding="utf-8"))
-            table_rows({name: results[name]})
-            not_shared({name: results[name]})
+            block({name: results[name]})
+            findings_block({name: results[name]})
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise BadInput(f"{path}: expected a result of measure_experiment.py "
                            f"({error!r})") from error
@@ -32,35 +33,44 @@ def value(result, outcome, key, haptic="all", rotation="all"):
     raise KeyError(f"no mean of {outcome} at {haptic}, {rotation}")
 
 
-def cell(result, key, outcome, pattern, factor, levels, separator, unit):
-    numbers = [pattern % (factor * value(result, outcome, key, **level)) for level in levels]
-    return separator.join(numbers) + unit
+FORCES = ["NoH", "UaH", "H"]
+ROTATIONS = ["NoR", "R"]
+
+# The measure and its unit, the name in the results, the factor, the condition of force.
+TIME = ("total time, s", "total time", 1, "all")
+LOSSES = ("losses of contact", "losses of contact", 1, "all")
+PENETRATION = ("penetration, mm", "mean penetration", 100, "all")  # the results have dm
+ANGLE = ("contact angle in UaH, deg", "mean contact angle", 1, "UaH")
 
 
-FORCES = [{"haptic": level} for level in ("NoH", "UaH", "H")]
-ROTATIONS = [{"rotation": level} for level in ("NoR", "R")]
-ANGLES = [{"haptic": "UaH", **level} for level in ROTATIONS]
-
-# The name of a row, then the arguments of cell() after `key`, for each part of the cell.
-ROWS = [
-    ("time: NoH, UaH, H; NoR -> R", [("total time", "%.1f", 1, FORCES, ", ", " s"),
-                                     ("total time", "%.1f", 1, ROTATIONS, " -> ", " s")]),
-    ("losses of contact", [("losses of contact", "%.1f", 1, FORCES, ", ", ""),
-                           ("losses of contact", "%.1f", 1, ROTATIONS, " -> ", "")]),
-    ("penetration", [("mean penetration", "%.1f", 100, FORCES, ", ", " mm"),
-                     ("mean penetration", "%.1f", 100, ROTATIONS, " -> ", " mm")]),
-    ("contact angle in UaH: NoR -> R", [("mean contact angle", "%.1f", 1, ANGLES, " -> ",
-                                         " deg")]),
-]
-
-
-def table_rows(results):
+def who(results):
+    """The rows of each measure: a name, the result and the column that holds its means."""
     first = next(iter(results.values()))
-    def parts(result, key, hows):
-        return "; ".join(cell(result, key, *how) for how in hows)
-    return [(name, [parts(first, "paper_mean", hows)] +
-             [parts(result, "mean", hows) for result in results.values()])
-            for name, hows in ROWS]
+    return [("ten people (paper)", first, "paper_mean")] + [
+        (f"`{name}`", result, "mean") for name, result in results.items()]
+
+
+def table(results, measures, factor_name, levels):
+    """A row for each measure and kind of persons, a column for each level of Haptic or Rotation."""
+    rows = []
+    for title, outcome, factor, force in measures:
+        for name, result, key in who(results):
+            conditions = [{"haptic": force, factor_name: level} for level in levels]
+            rows.append((title, [name] + [f"{factor * value(result, outcome, key, **at):.1f}"
+                                          for at in conditions]))
+    return tables.markdown(["mean of all trials", "persons", *levels], rows, words=2)
+
+
+def people_deg(results):
+    """The paper's contact angles of its people in UaH, without and with A4."""
+    first = next(iter(results.values()))
+    return [value(first, "mean contact angle", "paper_mean", "UaH", level) for level in ROTATIONS]
+
+
+def block(results):
+    return "\n\n".join([
+        "By force:", table(results, [TIME, LOSSES, PENETRATION], "haptic", FORCES),
+        "By rotation:", table(results, [TIME, LOSSES, PENETRATION, ANGLE], "rotation", ROTATIONS)])
 
 
 def findings_of(result):
@@ -69,28 +79,21 @@ def findings_of(result):
             for row in result["findings"] if row["following"] == LEADING}
 
 
-def not_shared(results):
-    """[(finding, the operators whose trials disagree with it)], and the number of all findings."""
+def findings_block(results):
+    """How many findings each simulation disagrees with, and the verdict on each."""
     by_operator = {name: findings_of(result) for name, result in results.items()}
     first = next(iter(by_operator.values()))
-    disagreeing = [(f"{finding} (paper: {statement})",
-                    [name for name, findings in by_operator.items()
-                     if findings[finding][1] == "disagrees"])
-                   for finding, (statement, _) in first.items()]
-    return [item for item in disagreeing if item[1]], len(first)
+    wrong = {finding: [name for name, findings in by_operator.items()
+                       if findings[finding][1] == DISAGREES] for finding in first}
+    lines = [f"- `{name}` disagrees with {sum(name in names for names in wrong.values())} of the "
+             f"paper's {len(first)} findings." for name in results]
+    lines.append(f"- Both together disagree with {sum(map(bool, wrong.values()))}; "
+                 f"{sum(len(names) == len(results) for names in wrong.values())} of them are the same.")
+    rows = [(finding, [statement] + [marked(findings[finding][1]) for findings in by_operator.values()])
+            for finding, (statement, _) in first.items()]
+    return "\n".join(lines) + "\n\n" + tables.markdown(
+        ["finding", "paper", *(f"`{name}`" for name in results)], rows, words=2 + len(results))
 
 
-def sentence(results):
-    rows, count = not_shared(results)
-    if not rows:
-        return f"The simulation disagrees with none of the paper's {count} findings."
-    statements = "; ".join(finding + ("" if names == list(results) else f", only `{names[0]}`")
-                           for finding, names in rows)
-    return (f"The simulation disagrees with {len(rows)} of the paper's {count} findings: "
-            f"{statements}.")
-
-
-def block(results):
-    table = tables.markdown(["mean of all trials", "ten people", *(f"`{n}`" for n in results)],
-                            table_rows(results))
-    return table + "\n\n" + sentence(results)
+def marked(verdict):
+    return f"**{verdict}**" if verdict == DISAGREES else verdict

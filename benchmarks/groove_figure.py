@@ -23,11 +23,11 @@ MARGIN = 16
 TEXT_LEFT = 556
 WIDTH = 960
 
-PROXY = "#1f5fbf"
-GOAL = "#c62828"
-PLANES = ("#2e7d32", "#8e5a00")
-SOLID = "#dfe3e8"
-MUTED = "#6b7480"
+PROXY = svg.BLUE
+GOAL = svg.RED
+PLANES = (svg.GREEN, svg.ORANGE)
+SOLID = svg.FAINT
+MUTED = svg.INK
 
 
 # Steps
@@ -115,21 +115,22 @@ def draw():
     picture.line([place(stopped), place(GOAL_MM)], MUTED, 1.5, "2 5")
     picture.line([place(GOAL_MM), place(nearest)], MUTED, 1.5, "2 5")
     picture.line([place(rest), place(nearest)], MUTED, 1.5, "2 5")
-    picture.circle(place(nearest), 5, "#ffffff", MUTED, 1.5)
+    picture.circle(place(nearest), 5, "none", MUTED, 1.5)
     picture.arrow(place(old), place(stopped), PROXY, 3.5)
     picture.arrow(place(stopped), place(rest), PROXY, 3.5)
     picture.arrow(place(rest), place(GOAL_MM), GOAL, 2.5)
-    picture.circle(place(GOAL_MM), 7, GOAL, "#ffffff", 1.5)
+    picture.circle(place(GOAL_MM), 7, GOAL)
     draw_labels(picture, old, stopped, nearest, rest)
     y = TOP + 26
     picture.text((TEXT_LEFT, y), "A slide into a groove", 22, bold=True)
     y += 34
     for number, text in TEXT:
         badge(picture, (TEXT_LEFT + 11, y - 5), number)
-        y = picture.paragraph((TEXT_LEFT + 32, y), text, WIDTH - MARGIN - TEXT_LEFT - 32, 15) + 8
-    picture.paragraph((TEXT_LEFT, y + 6),
+        y = picture.paragraph((TEXT_LEFT + 32, y), text, WIDTH - MARGIN - TEXT_LEFT - 32, 17) + 8
+    y = picture.paragraph((TEXT_LEFT, y + 6),
                       "Section across the groove. The stand-off is drawn far too large: in the engine "
-                      "it is invisible.", WIDTH - MARGIN - TEXT_LEFT, 13, MUTED)
+                      "it is invisible.", WIDTH - MARGIN - TEXT_LEFT, 17, MUTED)
+    picture.height = max(picture.height, math.ceil(y))
     return picture.svg()
 
 
@@ -139,7 +140,7 @@ def draw_walls(picture):
     left, right = wall_at(LOW_MM[0], WALL_SLOPES_DEG[0]), wall_at(HIGH_MM[0], WALL_SLOPES_DEG[1])
     corners = [left, (0.0, 0.0), right, (HIGH_MM[0], LOW_MM[1]), LOW_MM]
     picture.polygon([place(p) for p in corners], SOLID)
-    picture.line([place(p) for p in (left, (0.0, 0.0), right)], "#3c434c", 3)
+    picture.line([place(p) for p in (left, (0.0, 0.0), right)], svg.INK, 3)
 
 
 def draw_planes(picture, rest, both):
@@ -155,14 +156,14 @@ def draw_certificate(picture, rest, both):
     reach = 2.0
     angles = [math.atan2(-normal[1], -normal[0]) for normal in both]
     centre = place(rest)
-    picture.polygon([centre] + svg.arc(centre, reach * PX_PER_MM, *angles), "#f6c7c7")
+    picture.polygon([centre] + svg.arc(centre, reach * PX_PER_MM, *angles), svg.RED + "33")
     for n, normal in enumerate(both):
         picture.arrow(centre, place(along(rest, normal, -reach)), PLANES[n], 2.5)
 
 
 def badge(picture, centre, number):
-    picture.circle(centre, 11, PROXY, "#ffffff", 1.5)
-    picture.text((centre[0], centre[1] + 5), number, 14, "#ffffff", "middle", True)
+    picture.circle(centre, 11, PROXY)
+    picture.text((centre[0], centre[1] + 6), number, 17, "#ffffff", "middle", True)
 
 
 def draw_labels(picture, old, stopped, nearest, rest):
@@ -174,20 +175,21 @@ def draw_labels(picture, old, stopped, nearest, rest):
     badge(picture, place(along(along(rest, first, 0.45), second, 0.45)), "4")
     badge(picture, place(rest), "5")
     x, y = place(old)
-    picture.text((x + 18, y + 5), "old proxy", 15, PROXY, bold=True)
+    picture.text((x + 18, y + 5), "old proxy", 17, PROXY, bold=True)
     x, y = place(GOAL_MM)
-    picture.text((x + 14, y + 6), "goal", 15, GOAL, bold=True)
+    picture.text((x + 14, y + 6), "goal", 17, GOAL, bold=True)
     x, y = place(nearest)
-    picture.text((x + 10, y - 2), "nearest point", 13, MUTED)
-    picture.text((x + 10, y + 15), "of plane 1", 13, MUTED)
+    right = place(HIGH_MM)[0] - 4
+    picture.text((right, y + 24), "nearest point", 17, MUTED, "end")
+    picture.text((right, y + 44), "of plane 1", 17, MUTED, "end")
     x, y = place((-8.0, 7.3))
-    picture.text((x, y), "plane 1", 15, PLANES[0], bold=True)
+    picture.text((x, y), "plane 1", 17, PLANES[0], bold=True)
     x, y = place((4.7, 8.0))
-    picture.text((x, y), "plane 2", 15, PLANES[1], "end", True)
+    picture.text((x, y), "plane 2", 17, PLANES[1], "end", True)
     # The stand-off, measured off on the right wall.
     foot = along((0.0, 0.0), (second[1], -second[0]), 6.2)
     picture.arrow(place(foot), place(along(foot, second, STAND_OFF_MM)), svg.INK, 1.5, True)
     x, y = place(foot)
-    picture.text((x + 8, y + 14), "stand-off", 14, svg.INK)
+    picture.text((right, y + 26), "stand-off", 17, svg.INK, "end")
     x, y = place((-7.6, 2.4))
-    picture.text((x, y), "solid", 15, MUTED)
+    picture.text((x, y), "solid", 17, MUTED)

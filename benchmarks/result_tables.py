@@ -187,12 +187,14 @@ def size_name(triangles):
     return f"{triangles / 1e6:.1f}M" if triangles >= 1e6 else f"{triangles / 1e3:.0f}k"
 
 
-def markdown(header, rows):
-    """header: the cells of the first line; rows: (title, cells). Rows of "-" are left out."""
+def markdown(header, rows, words=1):
+    """header: the cells of the first line; rows: (title, cells). Rows of "-" are left out. The first
+    columns, as many as words, are aligned to the left."""
     rows = [(title, cells) for title, cells in rows if any(cell != "-" for cell in cells)]
     if not rows:
         return ""
-    lines = ["| " + " | ".join(header) + " |", "|---|" + "---:|" * (len(header) - 1)]
+    lines = ["| " + " | ".join(header) + " |",
+             "|" + "---|" * words + "---:|" * (len(header) - words)]
     return "\n".join(lines + [f"| {title} | " + " | ".join(cells) + " |" for title, cells in rows])
 
 
@@ -312,14 +314,14 @@ def change(runs, pattern, key, scale=1):
 
 
 def objects_table(objects):
-    columns = [("mean contact angle, deg", "%.1f", "mean_contact_angle_deg", 1),
-               ("contact at 30 deg or less, % of contact", "%.0f", "share_within_30deg", 100),
-               ("mean penetration, mm", "%.2f", "mean_penetration_m", 1000),
-               ("in contact, % of time", "%.0f", "contact_share", 100),
-               ("contour completed, %", "%.0f", "way_share", 100),
-               ("losses of contact", "%.0f", "losses_of_contact", 1),
-               ("energy returned by the device, mJ", "%.0f", "port_work_J", 1000)]
-    return markdown(["one turn, without -> with A4"] + [title for title, _, _, _ in columns],
-                    [(name.replace("_", " "),
-                      [change(runs, pattern, key, scale) for _, pattern, key, scale in columns])
-                     for name, runs in objects.items()])
+    """A row for each measure, a column for each object."""
+    measures = [("mean contact angle, deg", "%.1f", "mean_contact_angle_deg", 1),
+                ("contact at 30 deg or less, % of contact", "%.0f", "share_within_30deg", 100),
+                ("mean penetration, mm", "%.2f", "mean_penetration_m", 1000),
+                ("in contact, % of time", "%.0f", "contact_share", 100),
+                ("contour completed, %", "%.0f", "way_share", 100),
+                ("losses of contact", "%.0f", "losses_of_contact", 1),
+                ("energy returned by the device, mJ", "%.0f", "port_work_J", 1000)]
+    return markdown(["one turn, without -> with A4"] + [name.replace("_", " ") for name in objects],
+                    [(title, [change(runs, pattern, key, scale) for runs in objects.values()])
+                     for title, pattern, key, scale in measures])

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the release preset, runs the benchmarks and keeps the result under the name of this
-# processor; update_results.py then updates docs/study and the README. Arguments are passed to
+# processor; update_results.py then updates the pages of docs and README.md. Arguments are passed to
 # palpate_benchmarks. By default it measures spheres of 20 thousand to 5.2 million triangles and the
 # cost of accuracy, in a minute or two and 3 GB of memory; --subdivisions=5,7 --accuracy=quick is
 # shorter. Measure on an idle machine: other programs change the times.
@@ -43,4 +43,4 @@ mkdir -p "${result%/*}"
 grep -v '"host_name":' "$fresh" >"$result"
 "$palpate_root/benchmarks/measure_objects.py" "$palpate_root/build/release/palpate"
 "$palpate_root/benchmarks/measure_contour_angles.py" "$palpate_root/build/release/write_contour_angles"
-say "wrote benchmarks/results/$slug.json; run benchmarks/update_results.py to update docs/study and README.md"
+say "wrote benchmarks/results/$slug.json; run benchmarks/update_results.py to update docs and README.md"

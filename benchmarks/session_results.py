@@ -1,4 +1,4 @@
-"""The tables of RESULTS.md about what a viewer and a recording cost a session."""
+"""The tables of what a viewer and a recording cost a session."""
 
 import csv
 import json
@@ -91,8 +91,12 @@ def recording_row(result):
             f"{recorded['bytes_per_tick']:.1f}", str(recorded["dropped"])]
 
 
+RECORDING_LINES = ["tick without, more with recording", "ticks", "late, ours: without, with",
+                   "late, other causes: without, with", "CPU of the recorder", "bytes per tick",
+                   "dropped ticks"]
+
+
 def recording_block(results):
-    header = ["", "tick, more with recording", "ticks", "late, ours: without, with",
-              "late, other causes: without, with", "CPU of the recorder", "bytes per tick", "dropped"]
-    return tables.markdown(header, [(RATES[name], recording_row(result))
-                                    for name, result in results.items()])
+    columns = [recording_row(result) for result in results.values()]
+    return tables.markdown(["cost"] + [RATES[name] for name in results],
+                           [(title, list(cells)) for title, *cells in zip(RECORDING_LINES, *columns)])

@@ -1,4 +1,4 @@
-"""The table of the soaks in RESULTS.md."""
+"""The table of the soaks."""
 
 import json
 

@@ -1,29 +1,36 @@
 """Writes SVG pictures as plain text: the same input gives the same bytes."""
 
 import math
+import re
 from xml.sax.saxutils import escape
 
 FONT = "Helvetica, Arial, sans-serif"
-INK = "#222222"
+# Mid-tones with a contrast of 4 or more on white and on the dark ground of the site.
+INK = "#787878"
+BLUE = "#3b82c4"
+ORANGE = "#b96a15"
+GREEN = "#29894f"
+RED = "#d6455d"
+FAINT = "#78787826"  # for areas; the last two digits are the opacity
 LETTER_WIDTH = 0.52  # mean width of a letter over the font size, for wrapping
 
 
 class Drawing:
-    """Pixels, y down, on a white background, so that it reads on dark pages as well."""
+    """Pixels, y down, on a transparent ground, so that it reads on white and on dark pages. A colour is
+    "none", "#rrggbb" or, with an opacity, "#rrggbbaa"."""
 
     def __init__(self, width, height, description):
         self.width = width
         self.height = height
-        self.parts = [f"<title>{escape(description)}</title>",
-                      f'<rect width="{width}" height="{height}" fill="#ffffff"/>']
+        self.parts = [f"<title>{escape(description)}</title>"]
 
     def polygon(self, points, fill, stroke="none", width=1.0):
-        self.parts.append(f'<polygon points="{joined(points)}" fill="{fill}" stroke="{stroke}" '
-                          f'stroke-width="{width:g}" stroke-linejoin="round"/>')
+        self.parts.append(f'<polygon points="{joined(points)}" {paint("fill", fill)} '
+                          f'{paint("stroke", stroke)} stroke-width="{width:g}" stroke-linejoin="round"/>')
 
     def line(self, points, colour=INK, width=1.0, dashes=""):
         dashed = f' stroke-dasharray="{dashes}"' if dashes else ""
-        self.parts.append(f'<polyline points="{joined(points)}" fill="none" stroke="{colour}" '
+        self.parts.append(f'<polyline points="{joined(points)}" fill="none" {paint("stroke", colour)} '
                           f'stroke-width="{width:g}" stroke-linecap="round" '
                           f'stroke-linejoin="round"{dashed}/>')
 
@@ -50,18 +57,18 @@ class Drawing:
 
     def circle(self, centre, radius, fill, stroke="none", width=1.0):
         self.parts.append(f'<circle cx="{fixed(centre[0])}" cy="{fixed(centre[1])}" '
-                          f'r="{radius:g}" fill="{fill}" stroke="{stroke}" '
+                          f'r="{radius:g}" {paint("fill", fill)} {paint("stroke", stroke)} '
                           f'stroke-width="{width:g}"/>')
 
     def rectangle(self, corner, size, fill, stroke="none", radius=0):
         self.parts.append(f'<rect x="{fixed(corner[0])}" y="{fixed(corner[1])}" '
                           f'width="{fixed(size[0])}" height="{fixed(size[1])}" rx="{radius:g}" '
-                          f'fill="{fill}" stroke="{stroke}"/>')
+                          f'{paint("fill", fill)} {paint("stroke", stroke)}/>')
 
     def text(self, at, text, size=14, colour=INK, anchor="start", bold=False):
         weight = ' font-weight="bold"' if bold else ""
         self.parts.append(f'<text x="{fixed(at[0])}" y="{fixed(at[1])}" font-size="{size:g}" '
-                          f'fill="{colour}" text-anchor="{anchor}"{weight}>{escape(text)}</text>')
+                          f'{paint("fill", colour)} text-anchor="{anchor}"{weight}>{escape(text)}</text>')
 
     def paragraph(self, at, text, width, size=14, colour=INK, spacing=1.35):
         """Returns the y below its last line."""
@@ -75,6 +82,33 @@ class Drawing:
         return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{self.width}" '
                 f'height="{self.height}" viewBox="0 0 {self.width} {self.height}" '
                 f'font-family="{FONT}">\n' + "\n".join(self.parts) + "\n</svg>\n")
+
+
+def paint(attribute, colour):
+    """The attributes of a colour: not all programs read the opacity in it."""
+    if len(colour) != 9:
+        return f'{attribute}="{colour}"'
+    return f'{attribute}="{colour[:7]}" {attribute}-opacity="{int(colour[7:], 16) / 255:.2f}"'
+
+
+# The colours of gnuplot's pictures: Okabe and Ito's, black, grey and the grids.
+MID_TONES = {"0,114,178": BLUE, "213,94,0": ORANGE, "0,158,115": GREEN, "204,121,167": "#ad62a0",
+             "230,159,0": "#8f741b", "86,180,233": "#41809e", "0,0,0": INK, "64,64,64": INK}
+GRIDS = {"221,221,221", "228,228,228"}
+
+
+def on_any_ground(text, letters=1.0):
+    """A picture of gnuplot, with a transparent ground, mid-tones and larger letters."""
+    def recoloured(match):
+        attribute, colour = match[1], re.sub(r"\s|rgb|[()]", "", match[2])
+        if colour in GRIDS:
+            return paint(attribute, INK + "59")
+        return f'{attribute}="{INK if colour == "black" else MID_TONES.get(colour, match[2])}"'
+
+    text = re.sub(r'<rect x="0" y="0" [^>]*fill="#ffffff"/>\n', "", text, count=1)
+    text = re.sub(r'font-size="([\d.]+)"', lambda m: f'font-size="{letters * float(m[1]):.2f}"', text)
+    text = re.sub(r"<title>[^<]*</title>\s*|<desc>[^<]*</desc>\s*", "", text)
+    return re.sub(r"""\b(fill|stroke|color)\s*=\s*["'](black|rgb\([^)]*\))["']""", recoloured, text)
 
 
 def fixed(value):

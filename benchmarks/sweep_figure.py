@@ -35,11 +35,12 @@ ASSUMPTIONS = {
 }
 HALVES = ("low half", "high half")
 
-LOW = "#ffffff"
-HIGH = "#1f5fbf"
-DECIDES = "#c62828"
-MUTED = "#555555"
-GRID = "#e1e4e8"
+LOW = "none"
+HIGH = svg.BLUE
+DECIDES = svg.RED
+MUTED = svg.INK
+GRID = "#78787859"
+RADIUS = 5
 
 WIDTH = 520
 MARGIN = 14
@@ -50,9 +51,6 @@ GAP = 24
 LINE = 19  # between lines of text
 TEXT = 15
 LETTER = 0.52 * TEXT  # the mean width of a letter
-
-# Of the answer's sentences: untestable points, by their number and all points.
-UNTESTABLE = "{} of {} not testable, because nobody completed the trials"
 
 
 def read(folder):
@@ -87,14 +85,6 @@ def drawn(data):
     """The measures with a panel: whose share is neither 0 nor 1."""
     return [(words, name) for words, name in MEASURES
             if 0 < ranking(data, name)["holds"] < ranking(data, name)["points"]]
-
-
-def holds_text(row):
-    """At how many points a ranking holds."""
-    text = f"holds at {row['holds']} of {row['points']} testable points"
-    if row["untestable"]:
-        text += "; " + UNTESTABLE.format(row["untestable"], row["points"] + row["untestable"])
-    return text
 
 
 def answer(data):
@@ -150,7 +140,7 @@ def draw_panel(picture, data, measure, frame, rows):
     for share, anchor in ((0.0, "start"), (1.0, "end")):
         picture.text((x_of(share), bottom + 18), f"{100 * share:.0f} %", TEXT, MUTED, anchor)
     picture.rectangle((x_of(of_all["low"]), top),
-                      ((of_all["high"] - of_all["low"]) * panel, bottom - top), "#f0f2f5")
+                      ((of_all["high"] - of_all["low"]) * panel, bottom - top), svg.FAINT)
     picture.line([(x_of(of_all["share"]), top), (x_of(of_all["share"]), bottom)], MUTED, 1, "4 3")
     for n, parameter in enumerate(rows):
         y = top + ROW * (n + 0.5)
@@ -159,10 +149,14 @@ def draw_panel(picture, data, measure, frame, rows):
         of = [row for row in parts(data, name, parameter) if row["share"] is not None]
         shares = [x_of(row["share"]) for row in of]
         if shares:
-            picture.line([(min(shares), y), (max(shares), y)], colour, 3 if decides else 1.5)
+            first, last = min(shares), max(shares)
+            for row, x in zip(of, shares):  # a line ends at the ring of a low half
+                if row["part"] == HALVES[0] and last - first > RADIUS:
+                    first, last = (first + RADIUS, last) if x == first else (first, last - RADIUS)
+            picture.line([(first, y), (last, y)], colour, 3 if decides else 1.5)
         for row, x in zip(of, shares):
             if row["part"] in HALVES:
-                picture.circle((x, y), 5, LOW if row["part"] == HALVES[0] else colour, colour, 1.8)
+                picture.circle((x, y), RADIUS, LOW if row["part"] == HALVES[0] else colour, colour, 1.8)
             else:
                 picture.rectangle((x - 3, y - 5), (6, 10), colour)
 
@@ -174,7 +168,7 @@ def draw_legend(picture, y):
         if fill == "word":
             picture.rectangle((x + 3, y - 10), (6, 10), colour)
         else:
-            picture.circle((x + 6, y - 5), 5, fill, colour, 1.8)
+            picture.circle((x + 6, y - 5), RADIUS, fill, colour, 1.8)
         picture.text((x + 16, y), text, TEXT)
         x += 34 + LETTER * len(text)
 
@@ -189,28 +183,44 @@ def notes_of(data):
     return text
 
 
-def decisive_text(data, row):
-    """The parameters that decide most, with their parts, and p."""
+def decided_by(row):
     if row["p"] is None:
         return "none"
-    texts = [f"`{name}`: " + ", ".join(
-        f"{of['part']} " + ("not testable" if of["share"] is None
-                            else f"{percent(of['share'])} of {of['points']}")
-        for of in parts(data, row["ranking"], name)) for name in decisive(row)]
-    return ("; ".join(texts) or "none beyond chance") + f" (p = {row['p']:.2g})"
+    names = ", ".join(f"`{name}`" for name in decisive(row))
+    return (names or "none beyond chance") + f" (p = {row['p']:.2g})"
+
+
+def share_text(row):
+    if row["share"] is None:
+        return "-"
+    return f"{percent(row['share'])} ({100 * row['low']:.0f} to {percent(row['high'])})"
+
+
+def parts_lines(data):
+    """A list: of each ranking that a parameter decides, the share in each part of this parameter."""
+    lines = []
+    for row in data["rankings"]:
+        for name in decisive(row) if row["p"] is not None else []:
+            shares = ", ".join(f"{of['part']} " + ("not testable" if of["share"] is None else
+                                                   f"{percent(of['share'])} of {of['points']}")
+                               for of in parts(data, row["ranking"], name))
+            lines.append(f"- {row['ranking']}, `{name}`: {shares}.")
+    return lines
 
 
 def table(data):
-    """The table of RESULTS.md: each ranking, where it holds, and what decides most."""
-    rows = []
-    for row in data["rankings"]:
-        share = "" if row["share"] is None else (
-            f"{percent(row['share'])} ({100 * row['low']:.0f} to {percent(row['high'])}): ")
-        rows.append((f"{row['ranking']}: {row['order']}",
-                     [share + holds_text(row), decisive_text(data, row)]))
+    """Each ranking, where it holds, and what decides most."""
+    rows = [(f"{row['ranking']}: {row['order']}",
+             [f"{row['holds']} of {row['points']}", share_text(row), str(row["untestable"]),
+              decided_by(row)]) for row in data["rankings"]]
     counts = data["counts"]
-    return tables.markdown(["ranking", "holds at", "what decides most"], rows) + (
-        f"\n\n{data['points']['hypercube']} points of the hypercube; {counts['trials']} trials in all, "
+    lines = parts_lines(data)
+    if lines:
+        lines = ["Share of the testable points in each part of the parameter that decides most:", "",
+                 *lines, ""]
+    return tables.markdown(["ranking", "holds at", "share", "not testable", "what decides most"],
+                           rows) + "\n\n" + "\n".join(lines) + (
+        f"\n{data['points']['hypercube']} points of the hypercube; {counts['trials']} trials in all, "
         f"{counts['trials'] - counts['done']} of which did not end at the red sphere.")
 
 

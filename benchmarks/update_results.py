@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Writes the measured blocks of README.md and benchmarks/RESULTS.md from benchmarks/results, and
-draws the figures.
+"""Writes the measured blocks of README.md and of the pages in docs from benchmarks/results, and draws
+the figures.
 
 update_results.py [--check] [--root DIR]
 
 A block stands between the lines <!-- measured:NAME:begin --> and <!-- measured:NAME:end -->; the
-rest of both files is written by hand. --check changes nothing and exits with 1 if a block or a
-figure differs from the results. --root: a folder with the same layout as the project.
+rest of these files is written by hand. Each block has a page that must hold it (blocks_of); README.md
+and any other page of docs may show it too. --check changes nothing and exits with 1 if a block or a figure differs
+from the results. --root: a folder with the same layout as the project.
 """
 
 import argparse
@@ -30,9 +31,10 @@ import work_results  # noqa: E402
 from result_tables import BadInput  # noqa: E402
 
 README = pathlib.PurePath("README.md")
-RESULTS = pathlib.PurePath("benchmarks/RESULTS.md")
+STUDY = pathlib.PurePath("docs/study")
 HEADLINE_TRIANGLES = 1310720
 TICK_NS = 1e6  # the period of the haptic thread
+NUMBERS = {1: "one", 2: "two", 3: "three", 4: "four"}
 
 
 class Machine:
@@ -58,42 +60,69 @@ class Machine:
 # Blocks of the README
 
 def a4_block(objects):
-    rows = [(name.replace("_", " "),
-             [tables.change(runs, "%.1f", "mean_contact_angle_deg") + " deg",
-              tables.change(runs, "%.0f", "losses_of_contact"),
-              tables.change(runs, "%.0f", "port_work_J", 1000) + " mJ"])
-            for name, runs in objects.items()]
-    rows.append(("*paper, mean of ten people*", ["*49.4 -> 32.1 deg*", "-", "-"]))
-    return tables.markdown(["without -> with A4", "mean contact angle", "losses of contact",
-                            "energy returned by the device"], rows)
+    off, on = objects["star"]
+    return ("With A4, the mean contact angle of a simulated hand falls from "
+            f"{off['mean_contact_angle_deg']:.1f} to {on['mean_contact_angle_deg']:.1f} deg on the star. "
+            f"What gets worse in the same breath: the device returns {1000 * on['port_work_J']:.0f} mJ to "
+            f"the hand instead of {1000 * off['port_work_J']:.0f} mJ, and the hand loses contact "
+            f"{on['losses_of_contact']:.0f} times instead of {off['losses_of_contact']:.0f}.")
 
 
 def headline_block(machine, work):
     tick = [machine.counter("tick_sliding", key) for key in ("p50_ns", "p99_ns")]
+    slowest_ns = longest_ns(work)
+    slowest = (f"the slowest of the inputs that were built to be slow took {slowest_ns / 1e6:.2f} ms "
+               f"({', '.join(work)})")
+    if None in tick:
+        return f"- Speed at 1 kHz: {slowest}."
+    median, most = map(tables.microseconds, tick)
+    return (f"- A tick takes {median} us (median) and {most} us (99 %) for a point that slides over "
+            f"{HEADLINE_TRIANGLES / 1e6:.1f} million triangles ({machine.context['cpu']}); {slowest}.")
+
+
+# Blocks of the pages
+
+def longest_ns(work):
+    return 1e3 * max(work_results.longest_us(rows) for rows in work.values())
+
+
+def speed_block(machine, work):
+    tick = [machine.counter("tick_sliding", key) for key in ("p50_ns", "p99_ns")]
     ratios = [machine.counter("closest_point", key) for key in ("vs_stock_p50", "vs_cgal_p50")]
     lines = []
     if None not in tick:
+        median, most = map(tables.microseconds, tick)
         lines.append("- A tick of a point proxy that slides over "
-                     f"{HEADLINE_TRIANGLES / 1e6:.1f} million triangles takes {tables.microseconds(tick[0])} us (median) and "
-                     f"{tables.microseconds(tick[1])} us (99 %).")
+                     f"{HEADLINE_TRIANGLES / 1e6:.1f} million triangles takes {median} us (median) and "
+                     f"{most} us (99 %).")
     if None not in ratios:
         lines.append("- Palpate's closest-point query gives its result in double precision. It takes "
-                     f"{ratios[0]:.2f} times as long as the same query with Embree's built-in "
-                     f"triangles, which are in float, and {ratios[1]:.2f} times as long as with "
+                     f"{ratios[0]:.2f} times as long as the same query with Embree's built-in triangles, "
+                     f"which are in float.\n- The query takes {ratios[1]:.2f} times as long as the same query with "
                      "CGAL's tree.")
-    slowest_ns = 1e3 * max(work_results.longest_us(rows) for rows in work.values())
+    slowest_ns = longest_ns(work)
     lines.append(f"- The longest update of the proxy and of magnets and media, on inputs built to be "
-                 f"slow, took {slowest_ns / 1e6:.2f} ms, {100 * slowest_ns / TICK_NS:.0f} % of a tick "
-                 f"at 1 kHz ({', '.join(work)}).")
+                 f"slow, took {slowest_ns / 1e6:.2f} ms. That is {100 * slowest_ns / TICK_NS:.0f} % of a "
+                 f"tick at 1 kHz ({', '.join(work)}).")
     return "\n".join(lines) + "\n\n" + machine_line(machine)
+
+
+def a4_objects_block(objects, people_deg):
+    def mean(run, key):
+        return sum(runs[run][key] for runs in objects.values()) / len(objects)
+
+    angles, energies_J = ([mean(run, key) for run in (0, 1)]
+                          for key in ("mean_contact_angle_deg", "port_work_J"))
+    return (f"Over the paper's {NUMBERS[len(objects)]} objects, the mean contact angle falls from "
+            f"{angles[0]:.1f} to {angles[1]:.1f} deg, and the energy that the device returns rises from "
+            f"{1000 * energies_J[0]:.0f} to {1000 * energies_J[1]:.0f} mJ; the paper's ten people had "
+            f"{people_deg[0]:.1f} deg without A4 and {people_deg[1]:.1f} deg with it.")
 
 
 def machine_line(machine):
     return (f"Measured on {machine.description()}; commit {machine.context['commit']}, "
             f"{machine.context['date'][:10]}.")
 
-
-# Blocks of RESULTS.md
 
 def conditions_block(machine):
     clock_ns = max(run["clock_ns"] for run in machine.runs.values() if "clock_ns" in run)
@@ -105,7 +134,7 @@ def conditions_block(machine):
 def figure_line(machine, root):
     if not accuracy_results.script(machine.knobs):
         return ""
-    link = pathlib.Path(os.path.relpath(machine.figure, root / RESULTS.parent)).as_posix()
+    link = pathlib.Path(os.path.relpath(machine.figure, root / STUDY)).as_posix()
     return f"![Error against time of the main knobs; rings mark defaults]({link})"
 
 
@@ -140,7 +169,7 @@ def machine_blocks(machines, root):
 # Documents and figures
 
 def blocks_of(root, machines):
-    """{document: {block: text}}."""
+    """{document: {block: text}}: the page that must hold each block."""
     objects = tables.read_objects(root / "benchmarks/results/paper_objects/objects.json")
     experiment = experiment_results.read(root / "benchmarks/results/experiment")
     contours = contour_results.read(root / "benchmarks/results/contour_angles.csv")
@@ -151,20 +180,49 @@ def blocks_of(root, machines):
     recording = session_results.read_recording(root / "benchmarks/results/recording")
     work = work_results.read(root / "benchmarks/results/work")
     newest = max(machines, key=lambda machine: machine.context["date"])
+    measured = machine_blocks(machines, root)
+
+    def of_machines(*names):
+        return {name: measured[name] for name in names}
+
     return {
-        README: {"a4": a4_block(objects), "headline": headline_block(newest, work),
-                 "compare": compare_results.block(comparison),
-                 "experiment": joined(experiment_results.block(experiment),
-                                      contour_results.sentence(contours))},
-        RESULTS: {"objects": tables.objects_table(objects),
-                  "contours": contour_results.block(contours), "soaks": soak_results.block(soaks),
-                  "view": session_results.view_block(view),
-                  "frames": session_results.frames_block(frames),
-                  "recording": session_results.recording_block(recording),
-                  "work": work_results.block(work),
-                  "sweep": sweep_figure.block(root / "benchmarks/results/sweep"),
-                  **machine_blocks(machines, root)},
+        README: {"a4": a4_block(objects), "headline": headline_block(newest, work)},
+        STUDY / "experiment.md": {"experiment": experiment_results.block(experiment),
+                                  "findings": experiment_results.findings_block(experiment),
+                                  "rules": contour_results.rules_block(contours)},
+        STUDY / "comparisons.md": {"compare": compare_results.block(comparison),
+                                   "a4_losses": compare_results.losses_block(comparison)},
+        STUDY / "sweeps.md": {"sweep": sweep_figure.block(root / "benchmarks/results/sweep")},
+        STUDY / "soak.md": {"soaks": soak_results.block(soaks)},
+        STUDY / "accuracy.md": of_machines("accuracy"),
+        STUDY / "results.md": {"speed": speed_block(newest, work), **of_machines("conditions")},
+        STUDY / "results-objects.md": {
+            "a4_objects": a4_objects_block(objects, experiment_results.people_deg(experiment)),
+            "objects": tables.objects_table(objects), "contours": contour_results.block(contours)},
+        STUDY / "results-ticks.md": {"work": work_results.block(work),
+                                     **of_machines("ticks", "queries", "ratios", "scans", "worst",
+                                                   "effects")},
+        STUDY / "results-loading.md": of_machines("loading", "instances", "signs"),
+        STUDY / "results-sessions.md": {"view": session_results.view_block(view),
+                                        "frames": session_results.frames_block(frames),
+                                        "recording": session_results.recording_block(recording)},
     }
+
+
+def names_in(text):
+    return re.findall(r"<!-- measured:(\S*?):(?:begin|end) -->", text)
+
+
+def documents_of(root, blocks):
+    """{path: content with the blocks}, of the pages that must hold blocks and of all others that do."""
+    texts = {name: text for page in blocks.values() for name, text in page.items()}
+    documents = {root / name: with_blocks(read(root / name), page, texts, root / name)
+                 for name, page in blocks.items()}
+    for path in sorted((root / "docs").rglob("*.md")):
+        content = read(path)
+        if path not in documents and names_in(content):
+            documents[path] = with_blocks(content, {}, texts, path)
+    return documents
 
 
 def figures_of(root):
@@ -184,13 +242,15 @@ def marker(name, end):
     return f"<!-- measured:{name}:{end} -->"
 
 
-def with_blocks(text, blocks, path):
-    found = re.findall(r"<!-- measured:(\S*?):(?:begin|end) -->", text)
-    unknown = sorted(set(found) - set(blocks))
+def with_blocks(text, required, blocks, path):
+    """The text with the content of its blocks; it must hold those that are required."""
+    found = set(names_in(text))
+    unknown = sorted(found - set(blocks))
     if unknown:
         raise BadInput(f"{path}: the marker measured:{unknown[0]} names no block; the blocks are "
                        f"{', '.join(blocks)}")
-    for name, content in blocks.items():
+    for name in sorted(found | set(required)):
+        content = blocks[name]
         begin, end = marker(name, "begin"), marker(name, "end")
         if text.count(begin) != 1 or text.count(end) != 1 or text.index(begin) > text.index(end):
             raise BadInput(f"{path}: expected one line {begin} and, after it, one line {end}")
@@ -244,8 +304,7 @@ def run(root, check):
     machines = [Machine(path) for path in sorted(results.glob("*.json"))]
     if not machines:
         raise BadInput(f"{results}: no results; run benchmarks/run.sh")
-    documents = {root / name: with_blocks(read(root / name), blocks, root / name)
-                 for name, blocks in blocks_of(root, machines).items()}
+    documents = documents_of(root, blocks_of(root, machines))
     figures = figures_of(root)
     work_results.check(root, work_results.read(results / "work"))
     for machine in machines:

@@ -1,4 +1,4 @@
-"""The tables about the price of a unit of work, and the documents that state the price."""
+"""The tables about the price of a unit of work, and the files that state the price."""
 
 import csv
 import math
@@ -10,11 +10,10 @@ from result_tables import BadInput
 EFFECTS = ["none", "magnets", "media"]
 # The longest tick of all inputs, with effects.
 LONGEST_US = 500.0
-# The files that state the price, and the text before and after the number.
-STATEMENTS = [("haptics/proxy/work.h", r"One unit takes at most (\d+) ns"),
-              ("MANUAL.md", r"A unit takes at most (\d+) ns"),
-              ("GLOSSARY.md", r"one unit takes at most (\d+) ns"),
-              ("engine/session/run_setting.cpp", r"units of at most (\d+) ns")]
+# The sources that state the price, and the text before and after the number.
+SOURCES = [("haptics/proxy/work.h", r"One unit takes at most (\d+) ns"),
+           ("engine/session/run_setting.cpp", r"units of at most (\d+) ns")]
+PAGE_PATTERN = r"(?:[Uu]nit takes|units of) at most (\d+) ns"  # of pages in docs
 
 
 def read(folder):
@@ -46,25 +45,42 @@ def longest_us(rows):
     return max(row["longest_us"] for row in rows.values())
 
 
+def inputs_of(rows):
+    """(title, the rows of all effects) of each measured input."""
+    return [(name, title, [rows[name, effects] for effects in EFFECTS])
+            for name, title in tables.WORST if (name, "none") in rows]
+
+
 def block(machines):
     parts = []
     for cpu, rows in machines.items():
-        lines = []
-        for name, title in tables.WORST:
-            if (name, "none") not in rows:
-                continue
-            unit = "nodes" if name in tables.COUNTED_IN_NODES else "triangles"
-            found = [rows[name, effects] for effects in EFFECTS]
-            lines.append((title, [f"{found[0]['size']:,.0f} {unit}"] +
-                          [f"{row['longest_us']:.0f}" for row in found] +
-                          [f"{row['unit_ns']:.1f}" if row["unit_ns"] else "-" for row in found]))
-        price = price_ns(rows)
-        parts.append(tables.markdown(
-            ["longest tick, us; unit, ns", "size", "no effects, us", "with magnets, us",
-             "with media, us", "unit: no effects", "unit: magnets", "unit: media"], lines) +
-            f"\n\n{cpu}: in the dearest capped tick a unit takes {price} ns; the longest tick "
-            f"takes {longest_us(rows):.0f} us.")
+        longest, units = [], []
+        for name, title, found in inputs_of(rows):
+            counted = "nodes" if name in tables.COUNTED_IN_NODES else "triangles"
+            longest.append((title, [f"{found[0]['size']:,.0f} {counted}"] +
+                            [f"{row['longest_us']:.0f}" for row in found]))
+            units.append((title, [f"{row['unit_ns']:.1f}" if row["unit_ns"] else "-" for row in found]))
+        parts += [tables.markdown(["longest tick, us", "size", "no effects", "magnets", "media"], longest),
+                  tables.markdown(["time of a unit, ns", "no effects", "magnets", "media"], units),
+                  f"On {cpu}, in the dearest capped tick, a unit takes at most {price_ns(rows)} ns. The "
+                  f"longest tick takes {longest_us(rows):.0f} us."]
     return "\n\n".join(parts)
+
+
+def statements(root):
+    """(file, the prices that it states) of the sources and of each page that states one."""
+    for name, pattern in SOURCES:
+        yield root / name, re.findall(pattern, joined_lines(root / name))
+    for path in sorted((root / "docs").rglob("*.md")):
+        if found := re.findall(PAGE_PATTERN, joined_lines(path)):
+            yield path, found
+
+
+def joined_lines(path):
+    try:
+        return " ".join(path.read_text(encoding="utf-8").split())
+    except OSError as error:
+        raise BadInput(f"{path}: {error.strerror}") from error
 
 
 def check(root, machines):
@@ -75,12 +91,7 @@ def check(root, machines):
             if row["longest_us"] > LONGEST_US:
                 raise BadInput(f"{cpu}: the longest tick of {name}, {effects}, takes "
                                f"{row['longest_us']:.0f} us; expected at most {LONGEST_US:.0f}")
-    for name, pattern in STATEMENTS:
-        path = root / name
-        try:
-            found = re.findall(pattern, " ".join(path.read_text(encoding="utf-8").split()))
-        except OSError as error:
-            raise BadInput(f"{path}: {error.strerror}") from error
-        if found != [str(price)]:
+    for path, found in statements(root):
+        if not found or set(found) != {str(price)}:
             raise BadInput(f"{path}: states the price of a unit as {found}; expected {price} ns, "
                            "from benchmarks/results/work")

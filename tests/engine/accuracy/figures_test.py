@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The figures a4.svg, groove.svg and a4_helps.svg show what their data say.
+"""The figures a4.svg, groove.svg and a4_helps.svg show what their data say, and all committed figures are
+legible on white and on dark ground.
 
 figures_test.py BENCHMARKS_DIR
 """
@@ -18,6 +19,7 @@ BENCHMARKS = pathlib.Path(sys.argv[1])
 sys.path.insert(0, str(BENCHMARKS))
 import a4_figure  # noqa: E402
 import groove_figure  # noqa: E402
+import svg  # noqa: E402
 import sweep_figure  # noqa: E402
 
 
@@ -158,8 +160,45 @@ def check_sweep():
     expect(sweep_figure.draw(changed) != picture, "another share gives another picture")
 
 
+def luminance(colour):
+    parts = [int(colour[at:at + 2], 16) / 255 for at in (1, 3, 5)]
+    red, green, blue = (part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(colour, ground):
+    low, high = sorted((luminance(colour), luminance(ground)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def check_grounds():
+    """No figure has a ground of its own. Its colours, but for the digits in badges and for areas, grids and
+    frames, which have an opacity, keep a contrast of 4 on both grounds."""
+    figures = [BENCHMARKS.parent / "haptics/proxy/groove.svg", *sorted(BENCHMARKS.glob("results/**/*.svg"))]
+    expect(len(figures) >= 5, "the committed figures are found")
+    for path in figures:
+        text = path.read_text(encoding="utf-8")
+        body = text.split("</defs>")[-1]
+        expect(not re.search(r"""<rect[^>]*fill=.#ffffff""", body, re.IGNORECASE), f"{path.name} has no ground")
+        badges = re.sub(r'<text [^>]*fill="#ffffff"[^>]*>\d</text>', "", body)
+        used = set(re.findall(r"""(?:fill|stroke)=["']([^"']+)["'](?! (?:fill|stroke)-opacity)""", badges))
+        colours = {value for value in used if value not in ("none", "currentColor")}
+        expect(colours and all(re.fullmatch("#[0-9a-f]{6}", value) for value in colours),
+               f"{path.name} has colours of a known form: {sorted(colours)}")
+        for colour in colours:
+            least = min(contrast(colour, ground) for ground in ("#ffffff", "#131416"))
+            expect(least >= 4.0, f"{colour} in {path.name} has a contrast of 4, not {least:.2f}")
+        letters = [float(size) for size in re.findall(r'font-size="([\d.]+)"', body)]
+        width = float(re.search(r'viewBox="0 0 (\d+)', text)[1])
+        expect(min(letters) * 700 / width >= 12.0, f"{path.name} has letters of 12 px at a width of 700 px")
+    drawn = svg.on_any_ground('<rect x="0" y="0" width="9" height="9" fill="#ffffff"/>\n'
+                              '<path stroke="rgb(213,  94,   0)" fill = "black"/>')
+    expect(drawn == f'<path stroke="{svg.ORANGE}" fill="{svg.INK}"/>', "a picture of gnuplot is recoloured")
+
+
 def main():
     check_a4()
+    check_grounds()
     check_sweep()
     check_choice_of_instants()
     check_groove()

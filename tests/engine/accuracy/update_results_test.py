@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""RESULTS.md, the README and the figures follow the results that they are made from.
+"""README.md, the pages of docs and the figures follow the results that they are made from.
 
 update_results_test.py UPDATE_RESULTS.py PROJECT_DIR
 
@@ -48,13 +48,14 @@ class Copy:
         self.script = script
         self.root = folder
         shutil.copytree(project / "benchmarks/results", folder / "benchmarks/results")
-        for name in ("README.md", "benchmarks/RESULTS.md", "haptics/proxy/groove.svg",
-                     "haptics/proxy/work.h", "MANUAL.md", "GLOSSARY.md",
+        shutil.copytree(project / "docs", folder / "docs")
+        for name in ("README.md", "haptics/proxy/groove.svg", "haptics/proxy/work.h",
                      "engine/session/run_setting.cpp"):
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(project / name, folder / name)
         self.readme = folder / "README.md"
-        self.tables = folder / "benchmarks/RESULTS.md"
+        self.study = folder / "docs/study"
+        self.tables = self.study / "results-ticks.md"
         results = folder / "benchmarks/results"
         self.objects = results / "paper_objects/objects.json"
         self.a4_figure = results / "paper_objects/a4.svg"
@@ -72,8 +73,13 @@ class Copy:
         self.path.write_text(json.dumps(self.document))
 
     def block(self, name):
-        text = self.tables.read_text()
-        return text.split(f"measured:{name}:begin -->\n")[1].split("\n<!-- measured:")[0]
+        """The text of a block of the study."""
+        begin = f"measured:{name}:begin -->\n"
+        text = next(text for path in sorted(self.study.glob("*.md")) if begin in (text := path.read_text()))
+        return text.split(begin)[1].split("\n<!-- measured:")[0]
+
+    def pages(self):
+        return {path: path.read_text() for path in (self.readme, *self.study.glob("*.md"))}
 
     def run(self, *options):
         done = subprocess.run([sys.executable, self.script, "--root", self.root, *options],
@@ -103,13 +109,17 @@ def check_accuracy(copy):
            "the table has the first level, the default and the last level")
     expect("| 1: 100 um, 134 ns | 16: 0, 670 ns |" in text, "an error of 0 is 0")
     expect("servo" not in text, "the table leaves out a failed level")
-    expect(re.search(r"!\[[^]]{10,}\]\(results/[^)]*accuracy\.svg\)", text),
-           "the document shows the figure, with an alternative text")
+    shown = re.search(r"!\[[^]]{10,}\]\(([^)]*accuracy\.svg)\)", text)
+    expect(shown and (copy.study / shown[1]).resolve() == copy.figure.resolve(),
+           "the page shows the figure, with an alternative text")
     for part in ("penetration depth (um)", "tick (ns)", "sphere proxy", "default",
                  "mesh resolution: mean edge"):
         expect(f">{part}<" in figure, f"the figure has the text {part}")
     expect(not re.search(r"\bnan\b|\binf\b|http(?!://www\.w3\.org/)", figure, re.IGNORECASE),
            "the figure has finite numbers only and refers to no other file")
+    expect(not re.search(r"(fill|stroke)=['\"](black|#000000|rgb\()", figure)
+           and not re.search(r"<rect[^>]*#ffffff", figure, re.IGNORECASE),
+           "the figure has no ground of its own and no black lines or letters")
 
     copy.figure.write_text(figure.replace("<path ", "<path data-other='1' "))
     expect(copy.run("--check")[0] == 0, "--check accepts a figure of another gnuplot version")
@@ -145,6 +155,12 @@ def check_work(copy):
     expect_refused(copy, "a tick of more than half a millisecond is refused", "at most 500")
     put(6, "99.5\n")
     expect_refused(copy, "a file that states another price is named", "work.h")
+    path.write_text(committed)
+    page = copy.study / "people.md"
+    page.write_text(page.read_text() + "\nA unit takes at\nmost 24 ns.\n")
+    expect_refused(copy, "a page that states another price is named", "people.md")
+    page.write_text(page.read_text().replace("most 24 ns", "most 23 ns"))
+    expect(copy.run("--check")[0] == 0, "any page may state the price")
     path.write_text(committed.replace("unit_ns", "other"))
     expect_refused(copy, "a broken result of work_prices is named", path.name)
     path.write_text(committed)
@@ -171,6 +187,19 @@ def check_markers(copy):
         document.write_text("By hand.\n" + text)
         expect(copy.run("--check")[0] == 0, "text outside the blocks is free")
         document.write_text(text)
+    for path, text in copy.pages().items():
+        for name in re.findall(r"measured:(\w+):begin", text):
+            begin = f"<!-- measured:{name}:begin -->"
+            before, after = text.split(begin)
+            path.write_text(before + begin + re.sub(r"\d", lambda m: str(9 - int(m[0])), after, count=1))
+            expect_refused(copy, f"--check reports a digit of the block {name}", path.name)
+            path.write_text(text)
+    guest = copy.root / "docs/concepts/a4.md"
+    committed = guest.read_text()
+    guest.write_text(committed + "\n<!-- measured:a4:begin -->\n<!-- measured:a4:end -->\n")
+    expect_refused(copy, "--check reads the blocks of every page", guest.name)
+    expect(copy.run()[0] == 0 and "47.2 to 8.5 deg" in guest.read_text(), "any page may show a block")
+    guest.write_text(committed)
 
 
 def check_pictures(copy):
@@ -187,7 +216,7 @@ def check_pictures(copy):
     copy.objects.write_text(json.dumps(objects))
     expect_refused(copy, "--check reports documents of other results", "differs")
     expect(copy.run()[0] == 0, "other results are accepted")
-    for document in (copy.readme, copy.tables, copy.a4_figure):
+    for document in (copy.readme, copy.study / "results-objects.md", copy.a4_figure):
         expect("4321" in document.read_text(), f"{document.name} shows the other result")
     copy.objects.write_text(committed)
     expect(copy.run()[0] == 0, "the committed results are accepted again")
@@ -202,15 +231,17 @@ def check_experiment(copy):
     for row in result["findings"]:
         row["verdict"] = "disagrees" if row["finding"] == "MANOVA, Object" else "agrees"
     path.write_text(json.dumps(result))
-    expect_refused(copy, "--check reports another result of the experiment", "README.md")
+    expect_refused(copy, "--check reports another result of the experiment", "experiment.md")
     expect(copy.run()[0] == 0, "another result of the experiment is accepted")
-    text = copy.readme.read_text()
     mean_s = next(row["mean"] for row in result["means"]
                   if (row["following"], row["outcome"], row["haptic"], row["rotation"]) ==
                   ("delayed", "total time", "NoH", "all"))
-    expect(f"25.1 -> 29.1 s | {mean_s:.1f}, " in text, "the README has the mean of NoH")
-    expect("MANOVA, Object (paper: an effect), only `people2005`" in text,
-           "the README names a finding with which one simulation disagrees")
+    expect("| total time, s | ten people (paper) | 29.0 | 27.5 | 25.0 |\n"
+           f"| total time, s | `people2005` | {mean_s:.1f} |" in copy.block("experiment"),
+           "the page has the mean of NoH")
+    expect("| MANOVA, Object | an effect | **disagrees** | agrees |" in copy.block("findings")
+           and "- `people2005` disagrees with 1 of the paper's 17 findings." in copy.block("findings"),
+           "the page names a finding with which one simulation disagrees")
     result["means"] = [row for row in result["means"] if row["outcome"] != "losses of contact"]
     path.write_text(json.dumps(result))
     expect_refused(copy, "an incomplete result is named", "people2005.json")
@@ -226,9 +257,9 @@ def check_contours(copy):
     path.write_text(changed)
     expect_refused(copy, "--check reports other angles of the hand without delay", "differs")
     expect(copy.run()[0] == 0, "other angles of the hand without delay are accepted")
-    readme = copy.readme.read_text()
-    expect(" reaches 0.4 to " in readme and " to 87.7 deg with the literal one" in readme,
-           "the README has the ranges over objects and starts")
+    rules = copy.block("rules")
+    expect("| 0.4 to " in rules and " to 87.7 deg |" in rules,
+           "the page has the ranges over objects and starts")
     expect("| lock | 0.4 / " in copy.block("contours"), "the table has the mean of a start")
     path.write_text("".join(line for line in committed.splitlines(keepends=True)
                             if not line.startswith("lock,45,forward,20")))
@@ -247,13 +278,14 @@ def check_comparison(copy):
                            for name, role in (("full", "reference"), ("cd", "technique"))]
     next(row for row in result["strategies"] if row["strategy"] == "cd")["done"] = 0
     path.write_text(json.dumps(result))
-    expect_refused(copy, "--check reports another comparison", "README.md")
+    expect_refused(copy, "--check reports another comparison", "comparisons.md")
     expect(copy.run()[0] == 0, "another comparison is accepted")
-    text = copy.readme.read_text()
-    expect("| penetration | 500.0 mm | **500.0 mm** | 500.0 mm |" in text,
-           "the README has the means, and the best technique in bold")
-    expect("| `cd` (*) |" in text, "the README marks a strategy that completed too few trials")
-    expect("A4 loses by total time (to `cd`)." in text, "the README states where A4 loses")
+    text = copy.block("compare")
+    expect("| `mask` | **0.5 deg** | **500.0 mm** |" in text and "| `a4` | 0.5 deg | 500.0 mm |" in text,
+           "the page has the means, and the best technique in bold")
+    expect("| `cd` (*) |" in text, "the page marks a strategy that completed too few trials")
+    expect(copy.block("a4_losses").splitlines()[2:] == ["| total time | 0.5 s | `cd` 0.5 s |"],
+           "the page states where A4 loses")
     result["means"] = [row for row in result["means"] if row["measure"] != "penetration"]
     path.write_text(json.dumps(result))
     expect_refused(copy, "an incomplete comparison is named", "people2005.json")
@@ -269,8 +301,9 @@ def check_two_machines(copy):
     other.write_text(json.dumps(document))
     expect(copy.run()[0] == 0, "results of two machines are accepted")
     expect(copy.block("ticks").count("| sliding |") == 2 and "**Another CPU**" in copy.block("ticks"),
-           "RESULTS.md shows both machines by name")
-    expect("Another CPU" not in copy.readme.read_text(), "the README shows the newest result")
+           "the page shows both machines by name")
+    expect("Another CPU" not in copy.readme.read_text() and "Another CPU" not in copy.block("speed"),
+           "the README shows the newest result")
 
 
 def main():
@@ -284,7 +317,7 @@ def main():
         copy.put([])
         code, output = copy.run()
         expect(code == 0, f"the script runs: {output}")
-        without = copy.tables.read_text()
+        without = copy.pages()
         expect(copy.block("accuracy") == "Not measured." and not copy.figure.exists(),
                "without rows of accuracy the table and the figure are left out")
         expect(copy.run("--check")[0] == 0, "--check accepts documents without rows of accuracy")
@@ -293,7 +326,7 @@ def main():
         copy.put([])
         expect_refused(copy, "--check reports a figure without data", "accuracy.svg")
         expect(copy.run()[0] == 0 and not copy.figure.exists(), "a figure without data is removed")
-        expect(copy.tables.read_text() == without, "a table without data is removed")
+        expect(copy.pages() == without, "a table without data is removed")
         copy.path.write_text(copy.committed)
         expect(copy.run()[0] == 0, "the committed results are accepted")
         check_markers(copy)
