@@ -3,7 +3,6 @@
 Debian 12 has Sphinx 5.3 with MyST 0.18, Debian 13 has Sphinx 8.1 with MyST 4.0; both must build it.
 """
 
-import os
 import pathlib
 import re
 import shutil
@@ -42,11 +41,9 @@ def localise_styles(app, error):
     for style in (pathlib.Path(app.outdir) / "_static").rglob("*.css") if not error else ():
         text = style.read_text(encoding="utf-8")
         for name in set(re.findall(r"(?<=[\"'(])/javascript/([^\"')]+)", text)):
-            copy = pathlib.Path(app.outdir) / "_static" / name
-            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy = style.parent / pathlib.PurePosixPath(name).name
             shutil.copyfile(DEBIAN_SCRIPTS / name, copy)
-            text = text.replace(f"/javascript/{name}", pathlib.PurePosixPath(
-                os.path.relpath(copy, style.parent)).as_posix())
+            text = text.replace(f"/javascript/{name}", copy.name)
             style.write_text(text, encoding="utf-8")
 
 
