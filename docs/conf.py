@@ -17,6 +17,7 @@ author = "the authors of Palpate"
 release = version = re.search(r"project\(\s*palpate\s+VERSION\s+([\d.]+)",
                               (PROJECT / "CMakeLists.txt").read_text(encoding="utf-8"), re.I)[1]
 extensions = ["myst_parser"]
+smartquotes = False  # `--option` has two hyphens
 highlight_language = "sh"  # a block without a language has command lines
 
 html_theme = "furo"

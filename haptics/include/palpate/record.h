@@ -108,41 +108,41 @@ enum TouchEvent : std::uint16_t { kTouchBegan = 1u << 0, kTouchEnded = 1u << 1 }
 // HapticLoop leaves the fields marked "session" at 0; HapticSession sets them, `rules` by its
 // governor.
 struct TickRecord {
-  std::uint64_t tick = 0;
+  std::uint64_t tick = 0;        // the number of the tick, from 0 on
   double time_s = 0.0;           // the sum of all valid dt after the first tick
-  double device_m[3] = {};       // sensed position, device frame
-  double goal_scene_m[3] = {};   // the device point, scene frame
-  double proxy_scene_m[3] = {};  // equals the goal without contact
+  double device_m[3] = {};       // the sensed position
+  double goal_scene_m[3] = {};   // the device point in the scene
+  double proxy_scene_m[3] = {};  // the proxy; equals the goal without contact
   double normal_scene[3] = {};   // unit, after the effects; zero: no contact, or normals cancel
   double full_force_device_N[3] = {};      // before the projection onto the actuated axes
   double force_device_N[3] = {};           // commanded, acting on the hand
-  double q_before_wxyz[4] = {1, 0, 0, 0};  // T_device_scene during this tick
-  double o_before_m[3] = {};               // scene's origin in the device frame, this tick
-  double q_after_wxyz[4] = {1, 0, 0, 0};   // T_device_scene after the rotation, for the display
-  double o_after_m[3] = {};                // scene's origin after the rotation
+  double q_before_wxyz[4] = {1, 0, 0, 0};  // the rotation of T_device_scene during this tick
+  double o_before_m[3] = {};               // the scene's origin during this tick
+  double q_after_wxyz[4] = {1, 0, 0, 0};   // the rotation after A4 has turned, for the display
+  double o_after_m[3] = {};                // the scene's origin after A4 has turned
   // The contact angle between the normal and the actuated axes, [0, pi/2]; 0: no contact.
   double alpha_rad = 0.0;
-  double rotation_rad = 0.0;  // the angle by which A4 turns the scene after this tick
-  std::int64_t step_ns = 0;   // session: computing time of the loop
-  std::int64_t late_ns = 0;   // session: start minus due time; 0 if ticks are not scheduled
-  std::uint32_t faults = kFaultNone;
-  std::uint32_t effects = 0;     // bit n: effect n of compiled_effects() was active
-  std::uint32_t iterations = 0;  // number of solver steps
-  std::uint16_t contact = 0;     // 1 in contact, else 0
-  FrictionState friction = FrictionState::kNone;  // of the contact, in this tick
-  std::uint32_t rules = 0;                        // session: GovernorRule bits
-  // What is touched: the body (an index into the world's bodies, which are Scene::objects()) and
-  // the material (an index into Scene::materials()) of the contact that bears the largest share of
-  // the lag from the goal to the proxy (bearing_parts in haptics/proxy/plane_projection.h). Of
-  // equal shares, the one with the lowest body counts, then the one with the lowest material.
-  // Scene::body_name() and material_name() turn both into names. kNothingTouched: the tick does not
-  // touch (TouchEvent), no face holds the proxy in a capped tick, or the face has no material.
+  double rotation_rad = 0.0;          // the angle by which A4 turns the scene after this tick
+  std::int64_t step_ns = 0;           // session: computing time of the loop
+  std::int64_t late_ns = 0;           // session: start minus due time; 0 if ticks are not scheduled
+  std::uint32_t faults = kFaultNone;  // bits of Fault
+  std::uint32_t effects = 0;          // bit n: effect n of compiled_effects() was active
+  std::uint32_t iterations = 0;       // the number of solver steps
+  std::uint16_t contact = 0;          // 1 in contact, else 0
+  FrictionState friction = FrictionState::kNone;  // the state of the contact under friction
+  std::uint32_t rules = 0;                        // session: bits of GovernorRule
+  // The body, an index into Scene::objects(), of the contact that bears the largest share of the
+  // lag from the goal to the proxy (bearing_parts in haptics/proxy/plane_projection.h). Of equal
+  // shares, the one with the lowest body counts, then the one with the lowest material.
+  // Scene::body_name() and material_name() turn both numbers into names. kNothingTouched (-1): the
+  // tick does not touch (TouchEvent), no face holds the proxy in a capped tick, or the face has no
+  // material. kTouchUnknown (-2): the recording is older than the member.
   std::int32_t body = kNothingTouched;
-  std::int32_t material = kNothingTouched;
+  std::int32_t material = kNothingTouched;  // of the same contact: an index into Scene::materials()
   // The number of contacts, which are the faces that hold the proxy: at most 3. 0 if `body` is
   // kNothingTouched.
   std::uint16_t contacts = 0;
-  std::uint16_t touch = 0;  // TouchEvent bits
+  std::uint16_t touch = 0;  // bits of TouchEvent
 };
 
 enum class FieldType : std::uint8_t { kUint64, kInt64, kDouble, kUint32, kUint16, kInt32 };
