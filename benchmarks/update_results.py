@@ -6,8 +6,8 @@ update_results.py [--check] [--root DIR]
 
 A block stands between the lines <!-- measured:NAME:begin --> and <!-- measured:NAME:end -->; the
 rest of these files is written by hand. Each block has a page that must hold it (blocks_of); README.md
-and any other page of docs may show it too. --check changes nothing and exits with 1 if a block or a figure differs
-from the results. --root: a folder with the same layout as the project.
+and any other page of docs may show it too. --check changes nothing and exits with 1 if a block or a
+figure differs from the results. --root: a folder with the same layout as the project.
 """
 
 import argparse
@@ -98,8 +98,8 @@ def speed_block(machine, work):
     if None not in ratios:
         lines.append("- Palpate's closest-point query gives its result in double precision. It takes "
                      f"{ratios[0]:.2f} times as long as the same query with Embree's built-in triangles, "
-                     f"which are in float.\n- The query takes {ratios[1]:.2f} times as long as the same query with "
-                     "CGAL's tree.")
+                     f"which are in float.\n- The query takes {ratios[1]:.2f} times as long as the same "
+                     "query with CGAL's tree.")
     slowest_ns = longest_ns(work)
     lines.append(f"- The longest update of the proxy and of magnets and media, on inputs built to be "
                  f"slow, took {slowest_ns / 1e6:.2f} ms. That is {100 * slowest_ns / TICK_NS:.0f} % of a "

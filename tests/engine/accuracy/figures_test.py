@@ -162,7 +162,8 @@ def check_sweep():
 
 def luminance(colour):
     parts = [int(colour[at:at + 2], 16) / 255 for at in (1, 3, 5)]
-    red, green, blue = (part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts)
+    red, green, blue = (part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4
+                        for part in parts)
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
@@ -179,7 +180,8 @@ def check_grounds():
     for path in figures:
         text = path.read_text(encoding="utf-8")
         body = text.split("</defs>")[-1]
-        expect(not re.search(r"""<rect[^>]*fill=.#ffffff""", body, re.IGNORECASE), f"{path.name} has no ground")
+        expect(not re.search(r"""<rect[^>]*fill=.#ffffff""", body, re.IGNORECASE),
+               f"{path.name} has no ground")
         badges = re.sub(r'<text [^>]*fill="#ffffff"[^>]*>\d</text>', "", body)
         used = set(re.findall(r"""(?:fill|stroke)=["']([^"']+)["'](?! (?:fill|stroke)-opacity)""", badges))
         colours = {value for value in used if value not in ("none", "currentColor")}

@@ -6,6 +6,9 @@ update_results_test.py UPDATE_RESULTS.py PROJECT_DIR
 Works on a copy of the committed results, with invented rows of accuracy.
 """
 
+import contextlib
+import importlib
+import io
 import json
 import pathlib
 import re
@@ -82,6 +85,14 @@ class Copy:
         return {path: path.read_text() for path in (self.readme, *self.study.glob("*.md"))}
 
     def run(self, *options):
+        """As run_program, but without a process for each call."""
+        said = io.StringIO()
+        sys.argv = [str(self.script), "--root", str(self.root), *options]
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            code = importlib.import_module("update_results").main()
+        return code, said.getvalue()
+
+    def run_program(self, *options):
         done = subprocess.run([sys.executable, self.script, "--root", self.root, *options],
                               capture_output=True, text=True)
         return done.returncode, done.stdout + done.stderr
@@ -307,13 +318,15 @@ def check_two_machines(copy):
 
 
 def main():
-    script, project = sys.argv[1], pathlib.Path(sys.argv[2])
+    script, project = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
+    sys.dont_write_bytecode = True
+    sys.path.insert(0, str(script.parent))
     if not shutil.which("gnuplot"):
         print("skipped: gnuplot is not installed")
         return SKIPPED
     with tempfile.TemporaryDirectory() as name:
         copy = Copy(script, project, pathlib.Path(name))
-        expect(copy.run("--check")[0] == 0, "the committed documents match the committed results")
+        expect(copy.run_program("--check")[0] == 0, "the committed documents match the committed results")
         copy.put([])
         code, output = copy.run()
         expect(code == 0, f"the script runs: {output}")
