@@ -63,7 +63,7 @@ def a4_block(objects):
     off, on = objects["star"]
     return ("With A4, the mean contact angle of a simulated hand falls from "
             f"{off['mean_contact_angle_deg']:.1f} to {on['mean_contact_angle_deg']:.1f} deg on the star. "
-            f"What gets worse in the same breath: the device returns {1000 * on['port_work_J']:.0f} mJ to "
+            f"In exchange, the device returns {1000 * on['port_work_J']:.0f} mJ to "
             f"the hand instead of {1000 * off['port_work_J']:.0f} mJ, and the hand loses contact "
             f"{on['losses_of_contact']:.0f} times instead of {off['losses_of_contact']:.0f}.")
 

@@ -175,7 +175,9 @@ def contrast(colour, ground):
 def check_grounds():
     """No figure has a ground of its own. Its colours, but for the digits in badges and for areas, grids and
     frames, which have an opacity, keep a contrast of 4 on both grounds."""
-    figures = [BENCHMARKS.parent / "haptics/proxy/groove.svg", *sorted(BENCHMARKS.glob("results/**/*.svg"))]
+    root = BENCHMARKS.parent
+    figures = [root / "haptics/proxy/groove.svg", *sorted(BENCHMARKS.glob("results/**/*.svg")),
+               *sorted(root.glob("docs/pictures/*.svg"))]
     expect(len(figures) >= 5, "the committed figures are found")
     for path in figures:
         text = path.read_text(encoding="utf-8")
@@ -190,7 +192,7 @@ def check_grounds():
         for colour in colours:
             least = min(contrast(colour, ground) for ground in ("#ffffff", "#131416"))
             expect(least >= 4.0, f"{colour} in {path.name} has a contrast of 4, not {least:.2f}")
-        letters = [float(size) for size in re.findall(r'font-size="([\d.]+)"', body)]
+        letters = [float(size) for size in re.findall(r'font-size="([\d.]+)"', text)]
         width = float(re.search(r'viewBox="0 0 (\d+)', text)[1])
         expect(min(letters) * 700 / width >= 12.0, f"{path.name} has letters of 12 px at a width of 700 px")
     drawn = svg.on_any_ground('<rect x="0" y="0" width="9" height="9" fill="#ffffff"/>\n'
