@@ -36,15 +36,26 @@ myst_heading_anchors = 4  # a heading of this level or above is the target of a 
 DEBIAN_SCRIPTS = pathlib.Path("/usr/share/javascript")  # what the path /javascript of a web server stands for
 
 
-def localise_styles(app, error):
-    """Debian's furo imports a style sheet from the root of a web server; a page in a folder has no server."""
-    for style in (pathlib.Path(app.outdir) / "_static").rglob("*.css") if not error else ():
-        text = style.read_text(encoding="utf-8")
-        for name in set(re.findall(r"(?<=[\"'(])/javascript/([^\"')]+)", text)):
-            copy = style.parent / pathlib.PurePosixPath(name).name
-            shutil.copyfile(DEBIAN_SCRIPTS / name, copy)
-            text = text.replace(f"/javascript/{name}", copy.name)
-            style.write_text(text, encoding="utf-8")
+def make_static(app, error):
+    """Debian's furo expects a web server: its style sheet imports another one from the root of a server, and
+    its script is a module in two files, which no browser loads from a folder. Both become plain files.
+    """
+    static = pathlib.Path(app.outdir) / "_static"
+    if error or not static.is_dir():
+        return
+    style = static / "styles/furo.css"
+    text = style.read_text(encoding="utf-8")
+    for name in set(re.findall(r"(?<=[\"'(])/javascript/([^\"')]+)", text)):
+        copy = style.parent / pathlib.PurePosixPath(name).name
+        shutil.copyfile(DEBIAN_SCRIPTS / name, copy)
+        text = text.replace(f"/javascript/{name}", copy.name)
+    style.write_text(text, encoding="utf-8")
+    script = static / "scripts/furo.js"
+    text = script.read_text(encoding="utf-8")
+    imported = re.match(r"import [^\n]*\"\./(gumshoe-patched\.js)\";\n", text)
+    if imported:
+        part = (script.parent / imported[1]).read_text(encoding="utf-8")
+        script.write_text(part + "\n" + text[imported.end():], encoding="utf-8")
 
 
 def setup(app):
@@ -57,5 +68,5 @@ def setup(app):
             app.env.note_dependency(str(PROJECT / path))
 
     app.connect("source-read", read)
-    app.connect("build-finished", localise_styles)
+    app.connect("build-finished", make_static)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

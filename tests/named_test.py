@@ -44,7 +44,7 @@ def files_of(project):
 
 def prose(text):
     """The text with its blocks of code left empty."""
-    return re.sub(r"^```.*?^```", lambda block: "\n" * block[0].count("\n"), text, flags=re.M | re.S)
+    return re.sub(r"^[ \t]*```.*?^[ \t]*```", lambda block: "\n" * block[0].count("\n"), text, flags=re.M | re.S)
 
 
 def shown(title):

@@ -5,7 +5,7 @@ usage: consumer_test.py CMAKE PROJECT [--build]
 
 Configures tests/consumer in a temporary folder. CMake must search only for the packages in NEEDED and
 offer only the targets in LIBRARIES, and compiler options must not leak from one project to the other.
-Compiles the README's programs with warnings as errors. With --build, builds everything and runs the
+Compiles the programs of the README and of the site with warnings as errors. With --build, builds everything and runs the
 programs.
 """
 
@@ -119,7 +119,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         build = pathlib.Path(folder).resolve()
         programs = []
-        for number, text in enumerate(readme_programs.programs(project / "README.md"), 1):
+        texts = [text for page in readme_programs.PAGES for text in readme_programs.programs(project / page)]
+        for number, text in enumerate(texts, 1):
             programs.append(build / f"readme_{number}.cpp")
             programs[-1].write_text(text)
         names = [program.stem for program in programs]

@@ -1,22 +1,23 @@
 #!/usr/bin/env python3
-"""Extracts the C++ programs of the README without changes.
+"""Extracts the C++ programs of a page without changes.
 
-usage: readme_programs.py README OUT.cpp...
+usage: readme_programs.py PAGE.md OUT.cpp...
 
 A ```cpp block that begins with #include starts a program; the following blocks continue it. The
 programs are written to the files in this order; the numbers of programs and files must be equal.
-Messages of the compiler refer to the lines of the README.
+Messages of the compiler refer to the lines of the page.
 """
 
 import pathlib
 import re
 import sys
 
+PAGES = ("README.md", "docs/start/program.md")  # in the project, each with one program
 BLOCK = re.compile(r"^```cpp\n(.*?)^```$", re.M | re.S)
 
 
 def programs(readme):
-    """The programs of a README, as texts."""
+    """The programs of a page, as texts."""
     text = readme.read_text()
     found = []
     for block in BLOCK.finditer(text):

@@ -4,8 +4,8 @@
 examples_test.py PALPATE PROJECT_DIR
 
 Collects the command lines below "Example:" of `palpate --help` and of the help of each subcommand,
-also of subcommands of subcommands, and the lines in fenced blocks of README.md and MANUAL.md that
-begin with `./run.sh` or `palpate`. Runs each one by bash in a temporary copy of the project's folder,
+also of subcommands of subcommands, and the lines in fenced blocks of README.md and of each page in
+docs that begin with `./run.sh` or `palpate`. Runs each one by bash in a temporary copy of the project's folder,
 whose run.sh starts the built program instead of installing and building. Expects exit code 0, or 3 from
 a line whose comment names exit code 3. The lines of one help or document run in one folder, in order: a
 later line may read the files of an earlier one. The plan of an experiment or the sweep that a line has
@@ -22,7 +22,6 @@ import tempfile
 import time
 
 SECONDS = 300  # of one line
-DOCUMENTS = ("README.md", "MANUAL.md")
 COMMAND = re.compile(r"(\./run\.sh|palpate)(\s|$)")
 SHELLS = ("", "sh", "bash", "shell", "console")  # languages of fenced blocks with command lines
 PLACEHOLDER = "your-scene.glb"
@@ -38,8 +37,8 @@ SHORTER = {
 # Lines that do not run here, and why.
 NOT_RUN = {
     "./run.sh": "a minute in real time; `./run.sh run models/star.glb --virtual` does the same",
-    "./run.sh view models/star.glb": "until Ctrl-C, and only with the page, which needs npm",
 }
+ENDLESS = re.compile(r"(\./run\.sh|palpate) (view|devices --simulate \w+$)")  # until Ctrl-C
 
 
 def without_comment(line):
@@ -134,6 +133,8 @@ def run_lines(palpate, project, source, lines):
         programs = copy_project(palpate, project, folder)
         for line in lines:
             reason = NOT_RUN.get(without_comment(line))
+            if ENDLESS.match(without_comment(line)):
+                reason = "until Ctrl-C; tests of the command run it"
             if reason:
                 print(f"{source}: not run: {line}   ({reason})")
                 continue
@@ -166,10 +167,11 @@ def main():
         if not any(f"{name} " in line for line in lines):
             sys.exit(f"the example of {name} does not use the command: {lines}")
         sources.append((" ".join(["palpate", *command, "--help"]), lines))
-    for name in DOCUMENTS:
-        if (project / name).is_file():
-            sources.append((name, document_lines((project / name).read_text())))
-    if not dict(sources)["README.md"]:
+    for path in (project / "README.md", *sorted((project / "docs").rglob("*.md"))):
+        lines = document_lines(path.read_text(encoding="utf-8"))
+        if lines:
+            sources.append((path.relative_to(project).as_posix(), lines))
+    if "README.md" not in dict(sources):
         sys.exit("README.md has no command line")
     failures = [f for source, lines in sources for f in run_lines(palpate, project, source, lines)]
     for failure in failures:
