@@ -5,6 +5,7 @@ Debian 12 has Sphinx 5.3 with MyST 0.18, Debian 13 has Sphinx 8.1 with MyST 4.0;
 
 import pathlib
 import re
+import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
@@ -32,6 +33,20 @@ html_show_search_summary = False
 myst_heading_anchors = 4  # a heading of this level or above is the target of a link, named as GitHub does
 
 
+DEBIAN_SCRIPTS = pathlib.Path("/usr/share/javascript")  # what the path /javascript of a web server stands for
+
+
+def localise_styles(app, error):
+    """Debian's furo imports a style sheet from the root of a web server; a page in a folder has no server."""
+    for style in (pathlib.Path(app.outdir) / "_static").rglob("*.css") if not error else ():
+        text = style.read_text(encoding="utf-8")
+        for name in set(re.findall(r"(?<=[\"'(])/javascript/([^\"')]+)", text)):
+            copy = style.parent / pathlib.PurePosixPath(name).name
+            shutil.copyfile(DEBIAN_SCRIPTS / name, copy)
+            text = text.replace(f"/javascript/{name}", copy.name)
+            style.write_text(text, encoding="utf-8")
+
+
 def setup(app):
     pages = site_links.Pages(PROJECT)
 
@@ -42,4 +57,5 @@ def setup(app):
             app.env.note_dependency(str(PROJECT / path))
 
     app.connect("source-read", read)
+    app.connect("build-finished", localise_styles)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

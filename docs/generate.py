@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Writes the parts of the pages that state what stands in tables of the program.
 
-usage: generate.py PALPATE TABLES PROJECT [--check]
+usage: generate.py PALPATE PROJECT [--check]
 
-PALPATE is the program, TABLES the program print_tables of the tests, both of a build of PROJECT:
+PALPATE is the program of a build of PROJECT. The build has the program tests/print_tables, too:
 
     cmake --build build/release --target palpate print_tables
-    docs/generate.py build/release/palpate build/release/tests/print_tables .
+    docs/generate.py build/release/palpate .
 
 A part stands in a page between `<!-- generated:NAME:begin -->` and `<!-- generated:NAME:end -->`:
 
@@ -351,10 +351,13 @@ def put(text, name, part, page):
 
 def main():
     arguments = [word for word in sys.argv[1:] if word != "--check"]
-    if len(arguments) != 3:
+    if len(arguments) != 2:
         sys.exit(__doc__)
-    palpate, printer, project = map(pathlib.Path, arguments)
-    tables = json.loads(run(printer.resolve()))
+    palpate, project = map(pathlib.Path, arguments)
+    printer = palpate.resolve().parent / "tests/print_tables"
+    if not printer.is_file():
+        sys.exit(f"{printer} is missing; build the target print_tables")
+    tables = json.loads(run(printer))
     schema = json.loads((project / "engine/scene/palpate_extras.schema.json").read_text(encoding="utf-8"))
     header = (project / "haptics/include/palpate/record.h").read_text(encoding="utf-8")
     parts = {
@@ -379,7 +382,7 @@ def main():
             (project / page).write_text(text, encoding="utf-8")
             print(f"{page}: written")
     if is_wrong:
-        sys.exit("pages differ from the program: run docs/generate.py")
+        sys.exit("pages differ from the program: run docs/generate.py PALPATE PROJECT")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import unittest
 
 import named_test
 
-TEXT = """# Architecture
+TEXT = """# Inside
 
 ## The loop's parts
 
@@ -16,7 +16,7 @@ TEXT = """# Architecture
 """
 
 FILES = {
-    "ARCHITECTURE.md": TEXT,
+    "docs/inside/loop.md": TEXT,
     "haptics/loop.h": "class HapticLoop { void tick(); };\n",
     "tests/CMakeLists.txt": "palpate_test(all_test SOURCES haptics/loop_test.cpp)\n",
     "tests/haptics/loop_test.cpp": "TEST(Loop, Turns) {}\n",
@@ -60,9 +60,26 @@ class Names(unittest.TestCase):
                               "this source"])
 
     def test_links_lead_to_a_heading(self):
-        self.assertEqual(faults({"MANUAL.md": "[loop](ARCHITECTURE.md#the-loop) and [page](PAGE.md)\n"}),
-                         ["MANUAL.md:1: links ARCHITECTURE.md#the-loop, which is no heading there",
-                          "MANUAL.md:1: links PAGE.md, which does not exist"])
+        self.assertEqual(faults({"CHANGELOG.md": "[loop](docs/inside/loop.md#the-loop) and [page](PAGE.md)\n"}),
+                         ["CHANGELOG.md:1: links docs/inside/loop.md#the-loop, which is no heading there",
+                          "CHANGELOG.md:1: links PAGE.md, which does not exist"])
+
+    def test_headings_have_the_names_that_github_gives(self):
+        text = ("# NoH, UaH: `a_b()` + [a page](x.md), *now*\n## Same\n## Same\n##### Deep\n"
+                "```text\n# No heading\n```\n")
+        self.assertEqual(named_test.anchors(text), ["noh-uah-a_b--a-page-now", "same", "same-1"])
+
+    def test_stubs_are_linked_only_from_the_changelog_and_each_other(self):
+        stubs = {"MANUAL.md": "[next](GLOSSARY.md)\n", "GLOSSARY.md": "# Glossary\n",
+                 "CHANGELOG.md": "[old](MANUAL.md)\n"}
+        self.assertEqual(faults(stubs), [])
+        self.assertEqual(faults({**stubs, "docs/start/run.md": "[old](../../MANUAL.md)\n"}),
+                         ["docs/start/run.md:1: links ../../MANUAL.md, which only leads on; link the page"])
+
+    def test_pages_for_users_name_sources_by_paths_that_exist(self):
+        text = "`haptics/loop.h`, `haptics/tick.h`, `out/trace.csv`, `Tick::none()` and `tick.h`\n"
+        self.assertEqual(faults({"docs/reference/record.md": text}),
+                         ["docs/reference/record.md:1: `haptics/tick.h`: there is no such file or folder"])
 
     def test_blocks_of_code_are_not_read(self):
         self.assertEqual(faults({"haptics/README.md": "```\n`tick.h` [x](y.md)\n```\n"}), [])

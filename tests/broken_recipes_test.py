@@ -5,12 +5,12 @@ import unittest
 
 import recipes_test
 
-FILES = {"a/list.cpp", "a/CMakeLists.txt", "a/one.h", "b/two.h", "MANUAL.md"}
+FILES = {"a/list.cpp", "a/CMakeLists.txt", "a/one.h", "b/two.h", "docs/settings.md"}
 RECIPE = """**A thing.** Write a header like `b/two.h`. Also edit:
 `kThings` in `a/list.cpp`, which lists them; `a/one.h` or
-`b/two.h`, for the member; `a/CMakeLists.txt`, if it has a source. The rest follows from `MANUAL.md`.
+`b/two.h`, for the member; `a/CMakeLists.txt`, if it has a source. The rest follows from `docs/settings.md`.
 
-**Another.** Also edit: `MANUAL.md`.
+**Another.** Also edit: `docs/settings.md`.
 """
 
 
@@ -22,11 +22,11 @@ class BrokenRecipes(unittest.TestCase):
     def test_right_lists_have_no_fault(self):
         self.assertEqual(faults(["a/list.cpp", "a/one.h"]), [])
         self.assertEqual(faults(["a/list.cpp", "b/two.h", "a/CMakeLists.txt"]), [])
-        self.assertEqual(faults(["MANUAL.md"], title="Another"), [])
+        self.assertEqual(faults(["docs/settings.md"], title="Another"), [])
 
     def test_a_file_that_the_recipe_does_not_name(self):
-        self.assertEqual(faults(["a/list.cpp", "a/one.h", "MANUAL.md"]),
-                         ['"A thing": the addition edits MANUAL.md, which its recipe does not name'])
+        self.assertEqual(faults(["a/list.cpp", "a/one.h", "docs/settings.md"]),
+                         ['"A thing": the addition edits docs/settings.md, which its recipe does not name'])
 
     def test_a_file_that_needs_no_change(self):
         self.assertEqual(faults(["a/one.h"]),

@@ -17,7 +17,7 @@ TABLE = """# Architecture
 """
 
 FILES = {
-    "ARCHITECTURE.md": TABLE,
+    "docs/inside/index.md": TABLE,
     "geometry/triangle.h": "#include <array>\n",
     "haptics/a4/rotation.h": '#include "geometry/triangle.h"\n',
     "haptics/loop.cpp": '#include "haptics/a4/rotation.h"\n#include "geometry/triangle.h"\n',
@@ -41,11 +41,11 @@ class Rooms(unittest.TestCase):
                   "geometry/triangle.h": '#include "palpate/record.h"\n'}
         table = TABLE + "| `haptics/include/palpate` | public headers | |\n"
         self.assertEqual(
-            faults({**header, "ARCHITECTURE.md": table}),
+            faults({**header, "docs/inside/index.md": table}),
             ['geometry/triangle.h:1: geometry may not include haptics/include/palpate '
              '("haptics/include/palpate/record.h")'])
         table = table.replace("| triangles | |", "| triangles | `haptics/include/palpate` |")
-        self.assertEqual(faults({**header, "ARCHITECTURE.md": table}), [])
+        self.assertEqual(faults({**header, "docs/inside/index.md": table}), [])
 
     def test_includes_that_the_table_permits_are_accepted(self):
         self.assertEqual(faults({}), [])
@@ -76,13 +76,13 @@ class Rooms(unittest.TestCase):
     def test_a_cycle_is_refused(self):
         table = TABLE.replace("| triangles | |", "| triangles | `haptics` |")
         self.assertEqual(
-            faults({"ARCHITECTURE.md": table}),
-            ["ARCHITECTURE.md: the table has a cycle: "
+            faults({"docs/inside/index.md": table}),
+            ["docs/inside/index.md: the table has a cycle: "
              "geometry -> haptics -> haptics/a4 -> geometry"])
 
     def test_a_file_without_a_room_is_refused(self):
         self.assertEqual(faults({"geometry/mesh/weld.h": ""}),
-                         ["geometry/mesh/weld.h: belongs to no room of ARCHITECTURE.md"])
+                         ["geometry/mesh/weld.h: belongs to no room of docs/inside/index.md"])
 
     def test_an_include_of_a_missing_file_is_refused(self):
         self.assertEqual(
@@ -91,15 +91,15 @@ class Rooms(unittest.TestCase):
 
     def test_rooms_without_a_source_and_unknown_permissions_are_refused(self):
         table = TABLE + "| `engine` | scenes | |\n"
-        self.assertEqual(faults({"ARCHITECTURE.md": table}),
-                         ["ARCHITECTURE.md: engine has no source"])
+        self.assertEqual(faults({"docs/inside/index.md": table}),
+                         ["docs/inside/index.md: engine has no source"])
         table = TABLE + "| `engine` | scenes | `haptic`+ |\n"
-        self.assertEqual(faults({"ARCHITECTURE.md": table}),
-                         ["ARCHITECTURE.md: engine may include haptic, which is not a room"])
+        self.assertEqual(faults({"docs/inside/index.md": table}),
+                         ["docs/inside/index.md: engine may include haptic, which is not a room"])
 
     def test_a_text_without_a_table_is_refused(self):
-        self.assertEqual(faults({"ARCHITECTURE.md": "# Architecture\n"}),
-                         ["ARCHITECTURE.md: has no table `| room | holds | may include |`"])
+        self.assertEqual(faults({"docs/inside/index.md": "# Architecture\n"}),
+                         ["docs/inside/index.md: has no table `| room | holds | may include |`"])
 
 
 if __name__ == "__main__":

@@ -3,8 +3,11 @@
 
 usage: named_test.py PROJECT
 
-In every text but the changelog, a link must lead to a file, and to a heading in it. In ARCHITECTURE.md,
-CONTRIBUTING.md and the README of each room, code in back quotes must exist:
+In every text, a link must lead to a file, and to a heading of the first four levels in it, by the name that
+GitHub gives to the heading. STUBS, which lead people with old links to the site, may be linked only from the
+changelog and from each other. In every page of docs, a path in back quotes must exist that begins with a
+folder of the project. In docs/inside, CONTRIBUTING.md, tests/README.md and the README of each room, all code
+in back quotes must exist:
 
     geometry/mesh, gltf/*.h     a folder or file: in the root, beside the text, or, if the name begins with no
                                 folder of the root, at the end of some path
@@ -15,11 +18,13 @@ CONTRIBUTING.md and the README of each room, code in back quotes must exist:
 """
 
 import fnmatch
+import os
 import pathlib
 import re
 import sys
 
-FOLDERS = ("geometry", "io", "haptics", "engine", "models", "tests", "benchmarks")
+FOLDERS = ("geometry", "io", "haptics", "engine", "models", "tests", "benchmarks", "docs")
+STUBS = ("MANUAL.md", "ARCHITECTURE.md", "GLOSSARY.md", "benchmarks/RESULTS.md")
 CODE = {".h", ".cpp", ".inl", ".in", ".py", ".ts", ".mjs", ".sh", ".json", ".txt"}
 # What only Palpate's own files end in; `trials.csv` or `run.json` may be a file of a user.
 OWN = (".h", ".cpp", ".inl", ".in", ".py", ".ts", ".mjs", ".dict")
@@ -42,10 +47,23 @@ def prose(text):
     return re.sub(r"^```.*?^```", lambda block: "\n" * block[0].count("\n"), text, flags=re.M | re.S)
 
 
+def shown(title):
+    """The text of a heading: without marks, and with the texts of links only."""
+    title = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", title.strip())
+    return re.sub(r"\*+|(?<!\w)_+|_+(?!\w)|`", "", re.sub(r"\\(\W)", r"\1", title))
+
+
 def anchors(text):
-    titles = [re.sub(r"[^\w -]", "", title.lower()).strip().replace(" ", "-")
-              for title in re.findall(r"^#+ (.*)$", prose(text), re.M)]
-    return set(titles) | set(re.findall(r'(?:id|name)="([^"]+)"', text))
+    """The names of the headings, as GitHub and MyST give them: the second of two equal ones ends in -1."""
+    found = []
+    for title in re.findall(r"^#{1,4} (.*)$", prose(text), re.M):
+        slug = re.sub(r"[^\w -]", "", shown(title).lower()).replace(" ", "-")
+        name, number = slug, 0
+        while name in found:
+            number += 1
+            name = f"{slug}-{number}"
+        found.append(name)
+    return found
 
 
 class Project:
@@ -102,13 +120,26 @@ class Project:
 
 
 def check_links(project, file, text):
-    for number, line in enumerate(prose(text).splitlines(), 1):
+    may_link_stubs = file in STUBS or file == "CHANGELOG.md"
+    for number, line in enumerate(re.sub(r"`[^`\n]*`", "", prose(text)).splitlines(), 1):
         for target, anchor in re.findall(r"\]\((?!https?:|mailto:)([^)#\s]*)(?:#([^)\s]+))?\)", line):
             path = (project.root / file).parent / target if target else project.root / file
-            if not path.exists():
+            name = os.path.relpath(path, project.root)
+            if name in STUBS and not may_link_stubs:
+                yield f"{file}:{number}: links {target}, which only leads on; link the page"
+            elif not path.exists():
                 yield f"{file}:{number}: links {target}, which does not exist"
             elif anchor and anchor not in anchors(path.read_text(encoding="utf-8")):
                 yield f"{file}:{number}: links {target}#{anchor}, which is no heading there"
+
+
+def check_paths(project, file, text):
+    """Paths in back quotes in a page for users: those that begin with a folder of the project."""
+    text = prose(text)
+    for match in re.finditer(r"`([\w.*/-]+)`", text):
+        if "/" in match[1] and match[1].split("/")[0] in FOLDERS and not project.has_path(match[1], ""):
+            yield (f"{file}:{text.count(chr(10), 0, match.start()) + 1}: `{match[1]}`: there is no such file or "
+                   "folder")
 
 
 def check_names(project, file, text):
@@ -133,9 +164,11 @@ def check(root):
             continue
         text = (root / file).read_text(encoding="utf-8")
         faults += check_links(project, file, text)
-        is_of_a_room = file.endswith("/README.md") and not file.startswith("tests/")
-        if file in ("ARCHITECTURE.md", "CONTRIBUTING.md") or is_of_a_room:
+        is_of_a_room = file.endswith("/README.md") and not file.startswith(("tests/", "docs/"))
+        if file in ("CONTRIBUTING.md", "tests/README.md") or file.startswith("docs/inside/") or is_of_a_room:
             faults += check_names(project, file, text)
+        elif file.startswith("docs/"):
+            faults += check_paths(project, file, text)
     return faults
 
 

@@ -31,8 +31,8 @@ import sys
 import tempfile
 
 # What the copy needs of the project.
-COPIED = ("geometry", "io", "haptics", "engine", "models", "benchmarks", "tests", "CMakeLists.txt",
-          "ARCHITECTURE.md", "CONTRIBUTING.md", "MANUAL.md", "LICENSE", "NOTICES.md", "README.md")
+COPIED = ("geometry", "io", "haptics", "engine", "models", "benchmarks", "tests", "docs", "CMakeLists.txt",
+          "CONTRIBUTING.md", "LICENSE", "NOTICES.md", "README.md")
 SOURCES = (".h", ".cpp", ".inl", ".in")
 
 MEANING = "part of the force of `mask` that `eased` commands"
@@ -83,8 +83,8 @@ RECIPES = {
             ("    setting(CHOICE(a4.table1, ",
              f'    setting(HAPTIC(eased_share), "--eased-share", kTouch, {{0.0, 1.0}}, "{MEANING}", "", "",\n'
              '            {"eased_share"}, {"eased_share"}),\n    setting(CHOICE(a4.table1, ')],
-        "MANUAL.md": [("| `--table1` |",
-                       f"| `--eased-share` | `eased_share` | 0 to 1 |  | {MEANING} |\n| `--table1` |")],
+        "docs/reference/settings.md": [
+            ("| `--table1` |", f"| `--eased-share` | `eased_share` | 0 to 1 |  | {MEANING} |\n| `--table1` |")],
     }),
 }
 

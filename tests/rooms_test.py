@@ -3,7 +3,7 @@
 
 usage: rooms_test.py PROJECT [LIBRARIES]
 
-ARCHITECTURE.md defines the rooms in a table `| room | holds | may include |`. A room is a folder with
+docs/inside/index.md defines the rooms in a table `| room | holds | may include |`. A room is a folder with
 its files, without its subfolders. `X+` means X and every room that X may include. Sources below
 tests/ and benchmarks/ may include every room. The test fails on an include that the table does not
 permit, a file that belongs to no room, an include of a missing file, a room without files, a cycle in
@@ -18,6 +18,7 @@ import pathlib
 import re
 import sys
 
+TEXT = "docs/inside/index.md"
 SOURCES = {".h", ".cpp", ".inl", ".in"}
 FOLDERS = ("geometry", "io", "haptics", "engine", "models")
 PUBLIC = "palpate"  # FOLDER/include/palpate is included as <palpate/...> or "palpate/..."
@@ -31,7 +32,7 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<(palpate/[^>]+)>)')
 
 
 class Table:
-    """The rooms of ARCHITECTURE.md, each with the rooms that it may include."""
+    """The rooms of docs/inside/index.md, each with the rooms that it may include."""
 
     def __init__(self, text):
         self.direct = {}
@@ -48,11 +49,11 @@ class Table:
             names = re.findall(r"`([^`]+)`(\+?)", permitted)
             self.direct[room.strip("`")] = names
         if not self.direct:
-            self.faults.append("ARCHITECTURE.md: has no table `| room | holds | may include |`")
+            self.faults.append(f"{TEXT}: has no table `| room | holds | may include |`")
         for room, names in self.direct.items():
             for name, _ in names:
                 if name not in self.direct:
-                    self.faults.append(f"ARCHITECTURE.md: {room} may include {name}, which is not a room")
+                    self.faults.append(f"{TEXT}: {room} may include {name}, which is not a room")
         if not self.faults:
             self._find_cycles()
         self.permitted = {} if self.faults else {r: self._reach(r) for r in self.direct}
@@ -63,7 +64,7 @@ class Table:
         def visit(room, path):
             if room in path:
                 cycle = path[path.index(room):] + [room]
-                self.faults.append("ARCHITECTURE.md: the table has a cycle: " + " -> ".join(cycle))
+                self.faults.append(f"{TEXT}: the table has a cycle: " + " -> ".join(cycle))
                 return
             if room in done:
                 return
@@ -105,7 +106,7 @@ def check_file(project, path, table):
     is_free = path.parts[0] in FREE
     room = path.parent.as_posix()
     if not is_free and room not in table.permitted:
-        yield f"{path}: belongs to no room of ARCHITECTURE.md"
+        yield f"{path}: belongs to no room of {TEXT}"
         return
     text = (project / path).read_text()
     for number, line in enumerate(text.splitlines(), 1):
@@ -156,7 +157,7 @@ def check_libraries(project, table, text):
 
 def check(project, libraries=None):
     """All faults of a project, one line each."""
-    table = Table((project / "ARCHITECTURE.md").read_text())
+    table = Table((project / TEXT).read_text())
     if table.faults:
         return table.faults
     faults = []
@@ -165,7 +166,7 @@ def check(project, libraries=None):
         room = path.parent.as_posix()
         used[room] = used.get(room, 0) + 1
         faults += check_file(project, path, table)
-    faults += [f"ARCHITECTURE.md: {room} has no source" for room in table.direct
+    faults += [f"{TEXT}: {room} has no source" for room in table.direct
                if room not in used]
     for room in table.direct:
         faults += check_readme(project, room, used.get(room, 0))

@@ -1,14 +1,11 @@
 // The settings of a run (run_setting.h): a line that is added to the table reaches help, plans and
-// recordings, and MANUAL.md lists them all.
+// recordings. docs/generate.py lists them all on a page.
 
 #include "engine/session/run_setting.h"
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -47,27 +44,6 @@ std::vector<RunSetting> with_added_settings() {
                    {"turns"},
                    {"hand.turns"}});
   return table;
-}
-
-// A row of the table in MANUAL.md.
-std::string manual_row(const RunSetting& setting) {
-  std::ostringstream range;
-  const bool is_number = std::isfinite(setting.range.least);
-  if (is_number && std::isfinite(setting.range.most)) {
-    range << setting.range.least << " to " << setting.range.most;
-  } else if (is_number) {
-    range << (setting.range.is_least_out ? "above " : "at least ") << setting.range.least;
-  }
-  if (const auto* choice = std::get_if<SettingChoice>(&setting.value)) {
-    for (const std::string_view word : choice->words) {
-      range << (word == choice->words.front() ? "" : ", ") << word;
-    }
-  }
-  std::ostringstream row;
-  row << "| `" << setting.option << "` | "
-      << (setting.plan.name ? "`" + std::string(setting.plan.name) + "`" : "") << " | "
-      << range.str() << " | " << setting.unit << " | " << setting.meaning << setting.note << " |";
-  return row.str();
 }
 
 nlohmann::json device() {
@@ -163,24 +139,6 @@ TEST(AddedSetting, HasNoNameOfAnother) {
           "recorded " + std::string(setting.recorded.name ? setting.recorded.name : "")}) {
       const bool is_none = name.empty() || name.ends_with(' ');
       EXPECT_TRUE(is_none || names.insert(name).second) << name;
-    }
-  }
-}
-
-// A row of the manual is missing for the added lines, and for no other.
-TEST(AddedSetting, HasARowInTheManual) {
-  std::ifstream file(std::string(PALPATE_MODELS_DIR) + "/../MANUAL.md");
-  const std::string manual{std::istreambuf_iterator<char>(file), {}};
-  std::string rows;
-  for (const RunSetting& setting : run_settings()) {
-    if (!setting.option.empty()) rows += manual_row(setting) + "\n";
-  }
-  EXPECT_NE(manual.find("|---|---|---|---|---|\n" + rows + "\n"), std::string::npos)
-      << "MANUAL.md lists other settings; expected\n"
-      << rows;
-  for (const RunSetting& setting : with_added_settings()) {
-    if (setting.option == "--reach" || setting.option == "--turns") {
-      EXPECT_EQ(manual.find(manual_row(setting)), std::string::npos);
     }
   }
 }
