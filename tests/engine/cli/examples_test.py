@@ -5,11 +5,12 @@ examples_test.py PALPATE PROJECT_DIR
 
 Collects the command lines below "Example:" of `palpate --help` and of the help of each subcommand,
 also of subcommands of subcommands, and the lines in fenced blocks of README.md and of each page in
-docs that begin with `./run.sh` or `palpate`. Runs each one by bash in a temporary copy of the project's folder,
-whose run.sh starts the built program instead of installing and building. Expects exit code 0, or 3 from
-a line whose comment names exit code 3. The lines of one help or document run in one folder, in order: a
-later line may read the files of an earlier one. The plan of an experiment or the sweep that a line has
-written is made smaller before the next line.
+docs that begin with `./run.sh` or `palpate`. Runs each one by bash in a temporary copy of the project's
+folder, whose run.sh starts the built program instead of installing and building. Expects exit code 0,
+or 3 from a line whose comment names exit code 3. The lines of one help or document run in one folder,
+in order: a later line may read the files of an earlier one. The plan of an experiment or the sweep that
+a line has written is made smaller before the next line. A block of `text` below the line
+<!-- printed --> quotes what commands of its page print: each of its lines must be one of theirs.
 """
 
 import json
@@ -55,6 +56,12 @@ def document_lines(text):
         elif language in SHELLS and COMMAND.match(line.strip().removeprefix("$ ")):
             lines.append(line.strip().removeprefix("$ "))
     return lines
+
+
+def printed_lines(text):
+    """The lines of the blocks below <!-- printed -->, which quote what the page's commands print."""
+    blocks = re.findall(r"^<!-- printed -->\n+```text\n(.*?)^```", text, flags=re.M | re.S)
+    return [" ".join(line.split()) for block in blocks for line in block.splitlines() if line.strip()]
 
 
 def help_of(palpate, command):
@@ -126,8 +133,9 @@ def shrink_plans(folder):
         path.write_text(json.dumps(plan))
 
 
-def run_lines(palpate, project, source, lines):
-    failures = []
+def run_lines(palpate, project, source, lines, quoted):
+    """Runs the lines, and looks for each quoted line in what they print."""
+    failures, printed = [], set()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         programs = copy_project(palpate, project, folder)
@@ -148,10 +156,12 @@ def run_lines(palpate, project, source, lines):
             print(f"{source}: exit code {done.returncode}, {time.monotonic() - start:.1f} s: {typed}",
                   flush=True)
             shrink_plans(folder)
+            printed.update(" ".join(each.split()) for each in (done.stdout + done.stderr).splitlines())
             if done.returncode not in allowed:
                 failures.append(f"{source}: {line}: exit code {done.returncode}\n"
                                 f"{done.stdout[:1000]}{done.stderr}")
-    return failures
+    return failures + [f"{source}: no command of the page prints: {line}"
+                       for line in quoted if line not in printed]
 
 
 def main():
@@ -160,7 +170,7 @@ def main():
     if not {"run", "replay", "info", "accuracy", "experiment", "experiment plan", "experiment run",
             "experiment merge", "experiment sweep"} <= {" ".join(command) for command in commands}:
         sys.exit(f"subcommands in the help: {commands}")
-    sources = []
+    sources, quoted = [], {}
     for command in commands:
         name = " ".join(command)
         lines = help_lines(help_of(palpate, command), name or "palpate")
@@ -168,12 +178,17 @@ def main():
             sys.exit(f"the example of {name} does not use the command: {lines}")
         sources.append((" ".join(["palpate", *command, "--help"]), lines))
     for path in (project / "README.md", *sorted((project / "docs").rglob("*.md"))):
-        lines = document_lines(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        lines, name = document_lines(text), path.relative_to(project).as_posix()
+        quoted[name] = printed_lines(text)
         if lines:
-            sources.append((path.relative_to(project).as_posix(), lines))
-    if "README.md" not in dict(sources):
-        sys.exit("README.md has no command line")
-    failures = [f for source, lines in sources for f in run_lines(palpate, project, source, lines)]
+            sources.append((name, lines))
+        elif quoted[name]:
+            sys.exit(f"{name}: quotes what a command prints, and has no command line")
+    if "README.md" not in dict(sources) or not quoted["README.md"]:
+        sys.exit("README.md has no command line, or does not quote what it prints")
+    failures = [f for source, lines in sources
+                for f in run_lines(palpate, project, source, lines, quoted.get(source, ()))]
     for failure in failures:
         print("FAILED", failure)
     print(f"{sum(len(lines) for _, lines in sources)} lines, {len(failures)} failures")
