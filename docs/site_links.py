@@ -46,7 +46,8 @@ class Pages:
         self.page_of = {}  # to each included text
         for page in sorted(self.pages):
             for path in includes_of(page, (self.project / page).read_text(encoding="utf-8")):
-                self.page_of.setdefault(path, page)
+                if self.page_of.setdefault(path, page) != page:
+                    raise ValueError(f"{page} includes {path}, as {self.page_of[path]} does; link it")
 
     def page_for(self, path):
         """The page that shows a file or folder of the project, or None."""

@@ -83,7 +83,8 @@ class Project:
             self.programs[name] = {pathlib.PurePath(word).stem for word in words}
         tests = {file: text for file, text in texts.items() if file.startswith("tests/")}
         self.test_sources = {pathlib.PurePath(file).stem for file in tests}
-        self.suites = set(re.findall(r"(?:palpate_script\(|add_test\(NAME )(\w+)\b", lists))
+        self.suites = set(re.findall(
+            r"(?:palpate_script\(|add_test\(NAME |palpate_page_program\(\w+ \S+ )(\w+)\b", lists))
         for text in tests.values():
             self.suites.update(re.findall(r"\bTEST(?:_F|_P)?\(\s*(\w+)", text))
             self.suites.update(re.findall(r"INSTANTIATE_TEST_SUITE_P\(\s*(\w+)", text))
