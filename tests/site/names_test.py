@@ -3,7 +3,7 @@
 
 usage: names_test.py PROJECT
 
-The rows are those of the tables in docs/reference/faults.md whose first column is called fault, rule or reason.
+The rows are those of the tables in docs/reference/faults.md that have a column called fault, rule or reason.
 The names are those of the constants in the headers.
 """
 
@@ -24,15 +24,15 @@ def names_of(header, constant):
 
 
 def rows_of(page, heading):
-    """The names in the first cells of all tables whose first column has this heading."""
-    names, is_inside = [], False
+    """The names in the columns with this heading, of all tables."""
+    names, column = [], None
     for line in page.splitlines():
         cells = [cell.strip() for cell in line.split("|")[1:]]
         if not cells:
-            is_inside = False
-        elif cells[0] == heading:
-            is_inside = True
-        elif is_inside and (name := re.fullmatch(r"`(\w+)`", cells[0])):
+            column = None
+        elif heading in cells:
+            column = cells.index(heading)
+        elif column is not None and (name := re.fullmatch(r"`(\w+)`", cells[column])):
             names.append(name[1])
     return names
 
