@@ -14,7 +14,8 @@ import subprocess
 import sys
 import tempfile
 
-SKIPPED = 77
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from needs import need  # noqa: E402
 
 
 def row(knob, method, level_name, level, error, time, **more):
@@ -275,9 +276,7 @@ def check_two_machines(copy):
 
 def main():
     script, project = sys.argv[1], pathlib.Path(sys.argv[2])
-    if not shutil.which("gnuplot"):
-        print("skipped: gnuplot is not installed")
-        return SKIPPED
+    need(shutil.which("gnuplot"), "gnuplot: apt-get install gnuplot-nox")
     with tempfile.TemporaryDirectory() as name:
         copy = Copy(script, project, pathlib.Path(name))
         expect(copy.run("--check")[0] == 0, "the committed documents match the committed results")
