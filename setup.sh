@@ -12,12 +12,12 @@ palpate_packages=(
   gnuplot-nox python3 valgrind
 )
 
-palpate_fuzz_packages=(clang libclang-rt-dev)  # only for the preset fuzz
+palpate_clang_packages=(clang libclang-rt-dev)  # only for the preset asan
 palpate_fuzz_targets=(fuzz_gltf fuzz_hapi_link fuzz_page fuzz_recording make_fuzz_seeds)
 
 palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens the report
 
-palpate_site_packages=(python3-sphinx python3-myst-parser furo)  # for docs/build.sh
+palpate_site_packages=(python3-sphinx python3-myst-parser furo)  # for docs/build.sh and its tests
 
 palpate_format_packages=(python3-numpy python3-zstandard python3-yaml)  # for FORMAT.md, CITATION.cff
 

@@ -6,11 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <fcntl.h>
 #include <memory>
 #include <numbers>
 #include <span>
 #include <string>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <benchmark/benchmark.h>
@@ -101,12 +101,14 @@ void beat(MotorGuard& guard, std::int64_t now_ns) {
   guard.beat(now_ns, now_ns);
 }
 
-// A guard that is not armed, of a terminal that nobody reads.
+// A guard that is not armed, of a socket that nobody reads.
 class Guard {
  public:
-  Guard() : terminal_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
+  Guard() {
     GuardSpec spec;
-    spec.descriptor = terminal_;
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends_.data()) != 0)
+      return;
+    spec.descriptor = ends_[0];
     spec.zero_bytes = {0};
     auto guard = MotorGuard::spawn(spec);
     if (guard) guard_ = std::move(*guard);
@@ -114,7 +116,9 @@ class Guard {
   }
   ~Guard() {
     guard_.reset();
-    if (terminal_ >= 0) ::close(terminal_);
+    for (const int end : ends_) {
+      if (end >= 0) ::close(end);
+    }
   }
   Guard(const Guard&) = delete;
   Guard& operator=(const Guard&) = delete;
@@ -123,7 +127,7 @@ class Guard {
   const std::string& problem() const { return problem_; }
 
  private:
-  int terminal_;
+  std::array<int, 2> ends_ = {-1, -1};
   std::unique_ptr<MotorGuard> guard_;
   std::string problem_;
 };

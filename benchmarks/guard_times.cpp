@@ -27,6 +27,7 @@
 
 #include "tests/engine/devices/board_terminal.h"
 #include "tests/engine/devices/engine_process.h"
+#include "tests/helpers/needs.h"
 
 namespace palpate {
 namespace {
@@ -173,6 +174,10 @@ bool write_csv(const std::vector<Row>& rows, const Options& options) {
 }
 
 int measure(const Options& options) {
+  if (const std::string lack = test::lack_of_terminals(); !lack.empty()) {
+    std::printf("%s\n", lack.c_str());
+    return 77;
+  }
   const BusyProcesses load(options.load);
   Probe probe;
   std::mt19937 random(options.seed);

@@ -30,6 +30,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "helpers"))
+from needs import need_terminals  # noqa: E402
+
 # What the copy needs of the project.
 COPIED = ("geometry", "io", "haptics", "engine", "models", "benchmarks", "tests", "docs", "CMakeLists.txt",
           "CONTRIBUTING.md", "LICENSE", "NOTICES.md", "README.md")
@@ -469,6 +472,7 @@ def main():
         sys.exit(__doc__)
     project, build = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     cmake, ninja = sys.argv[3:5]
+    need_terminals()  # of the added driver
     seed = random.randrange(2 ** 32)
     print(f"seed {seed}")
     random.seed(seed)

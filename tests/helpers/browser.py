@@ -10,7 +10,8 @@ import subprocess
 import sys
 import tempfile
 
-SKIPPED = 77  # exit code if no Chromium is installed
+from needs import need
+
 BROWSERS = ["chromium", "chromium-browser", "google-chrome"]
 TIMEOUT_S = 120
 WIDTHS_PX = [1200, 400]
@@ -62,6 +63,12 @@ addEventListener('load', () => {
 
 def find_browser():
     return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
+def need_browser():
+    browser = find_browser()
+    need(browser, "Chromium: apt-get install chromium fonts-dejavu-core")
+    return browser
 
 
 def open_page(browser, path, profile):
@@ -133,10 +140,7 @@ def parse_options(text, *arguments, make={"nargs": argparse.REMAINDER, "metavar"
 def run_test(report, make, problems_of, name="report.html"):
     """The exit code of a test. report: a page, or None; make: a command, to which a folder is added, that
     writes the page of this name there. problems_of(browser, page, folder): lines."""
-    browser = find_browser()
-    if browser is None:
-        print("skipped: no Chromium is installed")
-        return SKIPPED
+    browser = need_browser()
     with tempfile.TemporaryDirectory() as folder_name:
         folder = pathlib.Path(folder_name)
         if make:

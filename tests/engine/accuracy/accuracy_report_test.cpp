@@ -27,6 +27,7 @@
 #include "engine/report/text_file.h"
 #include "geometry/base/printable.h"
 #include "tests/engine/accuracy/sample_knobs.h"
+#include "tests/helpers/needs.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -325,6 +326,7 @@ TEST(AccuracyCsv, IsWrittenToAFileOrAnErrorNamesIt) {
 }
 
 TEST(TextFile, AFullDiskIsNoticed) {
+  PALPATE_NEEDS(test::lack_of_full_disk());
   for (const std::size_t bytes : {1u, 1u << 20}) {  // within one buffer, and beyond
     const auto written = write_text_file("/dev/full", std::string(bytes, 'x'));
     ASSERT_FALSE(written.ok()) << bytes;

@@ -17,7 +17,8 @@ import subprocess
 import sys
 import tempfile
 
-SKIPPED = 77
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from needs import need  # noqa: E402
 
 
 def row(knob, method, level_name, level, error, time, **more):
@@ -321,9 +322,7 @@ def main():
     script, project = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     sys.dont_write_bytecode = True
     sys.path.insert(0, str(script.parent))
-    if not shutil.which("gnuplot"):
-        print("skipped: gnuplot is not installed")
-        return SKIPPED
+    need(shutil.which("gnuplot"), "gnuplot: apt-get install gnuplot-nox")
     with tempfile.TemporaryDirectory() as name:
         copy = Copy(script, project, pathlib.Path(name))
         expect(copy.run_program("--check")[0] == 0, "the committed documents match the committed results")

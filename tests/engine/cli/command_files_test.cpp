@@ -10,6 +10,7 @@
 #include "tests/engine/cli/command_line_fixture.h"
 #include "tests/engine/cli/run_program.h"
 #include "tests/helpers/gltf_builder.h"
+#include "tests/helpers/needs.h"
 
 namespace palpate {
 namespace {
@@ -61,6 +62,7 @@ TEST_F(CommandLine, RefusesTrajectoriesItCannotRead) {
 }
 
 TEST_F(CommandLine, RefusesToWriteWhereItCannot) {
+  PALPATE_NEEDS(test::lack_of_full_disk());
   write_path();
   const std::string file = folder.write("file", "");
   expect_refused(replay({"--out", folder.path("missing/trace.csv")}), {"missing/trace.csv"});
@@ -143,6 +145,7 @@ TEST_F(CommandLine, LeavesNoFolderOfACommandThatFailed) {
 }
 
 TEST_F(CommandLine, KeepsOlderFilesWhenItsOutputCannotBeWritten) {
+  PALPATE_NEEDS(test::lack_of_full_disk());
   write_path();
   folder.write("out/trace-off.csv", "old");
   for (const char* output : {"/dev/full", ""}) {
@@ -162,6 +165,7 @@ TEST_F(CommandLine, KeepsOlderFilesWhenItsOutputCannotBeWritten) {
 }
 
 TEST_F(CommandLine, ReportsLostOutput) {
+  PALPATE_NEEDS(test::lack_of_full_disk());
   const Outcome o = call({"info", kStar}, "/dev/full");
   EXPECT_EQ(o.exit_code, 2);
   EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;

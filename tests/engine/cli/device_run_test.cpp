@@ -30,6 +30,7 @@
 #include "engine/devices/five_bar.h"
 #include "engine/simulation/board_terminal.h"
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/needs.h"
 
 namespace palpate {
 namespace {
@@ -112,6 +113,9 @@ class DeviceRunProgram : public ::testing::Test {
  protected:
   DeviceRunProgram() : scene(wall_scene(folder)) {
     std::signal(SIGHUP, SIG_DFL);  // the program inherits it
+  }
+  void SetUp() override {
+    PALPATE_NEEDS(test::lack_of_terminals());
     open_board();
   }
 

@@ -13,6 +13,7 @@
 
 #include "engine/drivers/drivers.h"
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/needs.h"
 
 namespace palpate {
 namespace {
@@ -50,6 +51,7 @@ TEST(DevicesCommand, RefusesBadArguments) {
 }
 
 TEST(DevicesCommand, EndsAfterTheGivenTime) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const TemporaryFolder folder;
   const Outcome done = run_program(folder, {"devices", "--simulate", "hapi", "--seconds", "0.1"});
   EXPECT_EQ(done.exit_code, 0);
@@ -95,6 +97,7 @@ class Background {
 };
 
 TEST(DevicesCommand, SimulatesABoardForADriverUntilASignal) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const TemporaryFolder folder;
   Background program(folder);
   const std::string port = program.port();

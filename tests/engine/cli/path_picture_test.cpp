@@ -16,6 +16,7 @@
 #include "engine/cli/simplified_line.h"
 #include "haptics/record_vectors.h"
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/needs.h"
 
 namespace palpate {
 namespace {
@@ -306,6 +307,7 @@ TEST(SimplifiedLine, KeepsTheTurningPointsOfALineThatGoesBack) {
 
 // `run` refuses a full disk, and only warns of missing gnuplot.
 TEST(PathPicture, TellsAFullDiskFromMissingGnuplot) {
+  PALPATE_NEEDS(test::lack_of_full_disk());
   const std::vector<ExplorationRun> runs{run_along(wavy_contour(0.2, 5, 1000), false)};
   const ActuationModel actuation = actuated(2, {Vec3::UnitX()});
   const auto full = write_path_picture(runs, actuation, "star", "/dev/full");

@@ -223,7 +223,7 @@ def main():
     count, skip = (int(x) for x in (sys.argv[3:] + ["120", "0"][len(sys.argv) - 3:])[:2])
     corpus = pathlib.Path(os.environ.get("PALPATE_CORPUS", default_folder))
     if not (corpus / "INDEX.tsv").exists():
-        print(f"no models in {corpus}: skipped")
+        print(f"skipped: no models in {corpus}")
         return SKIPPED
     failures = closed = closed_comparable = comparable = 0
     models = take_models(program, corpus, count, skip)

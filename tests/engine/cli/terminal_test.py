@@ -20,6 +20,9 @@ import sys
 import tempfile
 import termios
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from needs import need_terminals  # noqa: E402
+
 RUN = ["run", "star.glb", "--out", "out"]
 DONE = (0, 3)  # exit codes; 3: not comparable, because the runs are short
 
@@ -152,6 +155,7 @@ def main():
     palpate, models = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
+    need_terminals()
     with tempfile.TemporaryDirectory() as folder:
         for columns, kind in ((80, "xterm"), (200, "dumb"), (60, "vt100"), (33, "xterm"),
                               (12, "xterm"), (2, "dumb"), (1, "xterm"), (0, "unknown")):

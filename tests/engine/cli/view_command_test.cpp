@@ -27,6 +27,9 @@ using test::Outcome;
 using test::run_program;
 using test::TemporaryFolder;
 
+constexpr const char* kNoPage =
+    "needs a program with the page of view, which ./run.sh view and .ci/run build";
+
 // The same in a program with the page and in one without it.
 TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
   const TemporaryFolder folder;
@@ -56,7 +59,7 @@ TEST(ViewCommand, RefusesBadArgumentsInOneLine) {
 }
 
 TEST(ViewCommand, SaysWhatToRunWithoutThePage) {
-  if (embedded_page()) GTEST_SKIP() << "the program has the page; see ServesUntilCtrlC";
+  if (embedded_page()) GTEST_SKIP() << "skipped: the program has the page; see ServesUntilCtrlC";
   const TemporaryFolder folder;
   const Outcome outcome = run_program(folder, {"view", kStar});
   EXPECT_EQ(outcome.exit_code, 2);
@@ -94,7 +97,7 @@ class Serving {
 };
 
 TEST(ViewCommand, ServesUntilCtrlC) {
-  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  if (!embedded_page()) GTEST_SKIP() << kNoPage;
   const TemporaryFolder folder;
   Serving serving(folder, {});
   ASSERT_GT(serving.port, 0);
@@ -121,7 +124,7 @@ TEST(ViewCommand, ServesUntilCtrlC) {
 
 // The address holds a secret.
 TEST(ViewCommand, MakesALogOfItsAddressPrivate) {
-  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  if (!embedded_page()) GTEST_SKIP() << kNoPage;
   const TemporaryFolder folder;
   const std::string log = folder.write("stdout", "");
   ASSERT_EQ(::chmod(log.c_str(), 0664), 0);
@@ -137,7 +140,7 @@ TEST(ViewCommand, MakesALogOfItsAddressPrivate) {
 }
 
 TEST(ViewCommand, PrintsTheAddressThroughAProxyThatIsNamed) {
-  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  if (!embedded_page()) GTEST_SKIP() << kNoPage;
   const TemporaryFolder folder;
   Serving serving(folder, {"--allow-origin", "HTTPS://Desk.example:443/", "--allow-origin",
                            "http://[2001:DB8::0:1]:8080"});
@@ -158,7 +161,7 @@ std::uint64_t open_files_of(pid_t process) {
 // Strangers take every file that the process may open, and a page is served all the same: not after
 // those that came before it have been patient for five seconds each, four at a time.
 TEST(ViewCommand, ServesAPageWhenStrangersTakeAllFiles) {
-  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  if (!embedded_page()) GTEST_SKIP() << kNoPage;
   constexpr int kStrangers = 200;
   constexpr rlim_t kFilesLeft = 4;
   static_assert(kStrangers / kFilesLeft * std::chrono::seconds(5) > 2 * test::kPatience);
@@ -181,7 +184,7 @@ TEST(ViewCommand, ServesAPageWhenStrangersTakeAllFiles) {
 }
 
 TEST(ViewCommand, PrintsTheLicencesOfThePage) {
-  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  if (!embedded_page()) GTEST_SKIP() << kNoPage;
   const TemporaryFolder folder;
   const Outcome outcome = run_program(folder, {"view", "--licences"});
   EXPECT_EQ(outcome.exit_code, 0);
@@ -191,7 +194,7 @@ TEST(ViewCommand, PrintsTheLicencesOfThePage) {
 }
 
 TEST(ViewCommand, RecordsTheSession) {
-  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  if (!embedded_page()) GTEST_SKIP() << kNoPage;
   const TemporaryFolder folder;
   Serving serving(folder, {"--record", "live.palpate"});
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -206,7 +209,7 @@ TEST(ViewCommand, RecordsTheSession) {
 }
 
 TEST(ViewCommand, WarnsOfAnAddressThatOthersReach) {
-  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  if (!embedded_page()) GTEST_SKIP() << kNoPage;
   const TemporaryFolder folder;
   Serving serving(folder, {"--listen", "0.0.0.0"});
   const Outcome outcome = serving.end_with(SIGTERM);
@@ -216,7 +219,7 @@ TEST(ViewCommand, WarnsOfAnAddressThatOthersReach) {
 }
 
 TEST(ViewCommand, ServesAnotherLoopbackAddressWithoutAWarning) {
-  if (!embedded_page()) GTEST_SKIP() << "the program has no page";
+  if (!embedded_page()) GTEST_SKIP() << kNoPage;
   const TemporaryFolder folder;
   Serving serving(folder, {"--listen", "127.0.0.2"});
   const std::string host = "127.0.0.2:" + std::to_string(serving.port);

@@ -9,6 +9,8 @@
 #include "geometry/base/random.h"
 #include "tests/engine/devices/board_terminal.h"
 #include "tests/engine/devices/engine_process.h"
+#include "tests/helpers/needs.h"
+#include "tests/helpers/sanitizers.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -18,11 +20,7 @@ using Entry = FakeBoardTerminal::Entry;
 
 constexpr std::uint64_t kZerosBeforeForce = 50;  // of guarded_engine after a trip
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kSchedules = 10;
-#else
-constexpr int kSchedules = 50;
-#endif
+constexpr int kSchedules = test::kHasSanitizer ? 10 : 50;
 
 void sleep_for_ms(double ms) {
   std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(ms));
@@ -112,6 +110,7 @@ void run_schedule(std::uint64_t seed) {
 }
 
 TEST(GuardSchedules, EndWithZeroForce) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const std::uint64_t first = test::from_environment("PALPATE_FIRST_SEED", 1);
   const int count = test::in_soak_or_else(500, kSchedules);
   std::printf("seeds from %d on, %d schedules\n", static_cast<int>(first), count);

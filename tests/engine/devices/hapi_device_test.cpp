@@ -23,6 +23,7 @@
 
 #include "engine/devices/serial_port.h"
 #include "engine/simulation/board_terminal.h"
+#include "tests/helpers/needs.h"
 
 namespace palpate {
 namespace {
@@ -94,6 +95,7 @@ bool push_until(HapiDevice& device, const std::function<bool(const DeviceSample&
 }
 
 TEST(HapiDevice, GivesSamplesSendsForcesAndEndsWithZero) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiDevice device(settings_of(*board));
   const auto problem = device.start();
@@ -119,6 +121,7 @@ TEST(HapiDevice, GivesSamplesSendsForcesAndEndsWithZero) {
 }
 
 TEST(HapiDevice, StopSendsZeroAlsoWithoutAZeroCommand) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   {
     HapiDevice device(settings_of(*board));
@@ -129,6 +132,7 @@ TEST(HapiDevice, StopSendsZeroAlsoWithoutAZeroCommand) {
 }
 
 TEST(HapiDevice, StartsAgainAfterAStop) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiDevice device(settings_of(*board));
   for (int again = 0; again < 3; ++again) {
@@ -144,6 +148,7 @@ TEST(HapiDevice, StartsAgainAfterAStop) {
 }
 
 TEST(HapiDevice, PositionMovesAsTheTipOfTheBoard) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiDevice device(settings_of(*board));
   ASSERT_FALSE(device.start());
@@ -187,6 +192,7 @@ TEST(HapiDevice, NamesAPortThatIsNoTerminal) {
 
 // Also for the superuser, whom TIOCEXCL does not stop.
 TEST(HapiDevice, NamesABusyPort) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiDevice first(settings_of(*board));
   ASSERT_FALSE(first.start());
@@ -204,6 +210,7 @@ TEST(HapiDevice, NamesABusyPort) {
 
 // A terminal that is not raw echoes bytes, ends lines, and takes some bytes as commands.
 TEST(SerialPort, PassesEveryByteInBothDirections) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const int board = ::posix_openpt(O_RDWR | O_NOCTTY);
   ASSERT_GE(board, 0);
   ASSERT_EQ(::grantpt(board), 0);
@@ -234,6 +241,7 @@ TEST(SerialPort, PassesEveryByteInBothDirections) {
 }
 
 TEST(SerialPort, NamesTheGroupOfAPortThatIsNotPermitted) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   ASSERT_EQ(::chmod(board->path().c_str(), 0), 0);
   const pid_t child = ::fork();
@@ -254,6 +262,7 @@ TEST(SerialPort, NamesTheGroupOfAPortThatIsNotPermitted) {
 }
 
 TEST(HapiDevice, NamesAPortWithoutAnAnswer) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   board->add_fault(fault_now(Kind::kSilence, kForEver_ns));
   HapiDevice device(settings_of(*board));
@@ -267,6 +276,7 @@ TEST(HapiDevice, NamesAPortWithoutAnAnswer) {
 }
 
 TEST(HapiDevice, AHangUpAsksForATrip) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiDevice device(settings_of(*board));
   ASSERT_FALSE(device.start());
@@ -280,6 +290,7 @@ TEST(HapiDevice, AHangUpAsksForATrip) {
 }
 
 TEST(HapiDevice, AHangUpBeforeTheFirstAnswerIsAnError) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiSettings settings = settings_of(*board);
   board->hang_up();
@@ -287,6 +298,7 @@ TEST(HapiDevice, AHangUpBeforeTheFirstAnswerIsAnError) {
 }
 
 TEST(HapiDevice, CountsLateAnswersAndGoesOn) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiDevice device(settings_of(*board));
   ASSERT_FALSE(device.start());
@@ -304,6 +316,7 @@ TEST(HapiDevice, CountsLateAnswersAndGoesOn) {
 }
 
 TEST(HapiDevice, SilenceAsksForATripAndTheBoardIsSetUpAgain) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiDevice device(settings_of(*board));
   ASSERT_FALSE(device.start());
@@ -317,6 +330,7 @@ TEST(HapiDevice, SilenceAsksForATripAndTheBoardIsSetUpAgain) {
 }
 
 TEST(HapiDevice, CommandsZeroUntilItHasAGuardAndTripsWhenTheGuardHasGone) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiSettings settings = settings_of(*board);
   settings.works_without_guard = false;
@@ -339,6 +353,7 @@ TEST(HapiDevice, CommandsZeroUntilItHasAGuardAndTripsWhenTheGuardHasGone) {
 }
 
 TEST(HapiDevice, SaysHowToCalibrate) {
+  PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
   HapiSettings settings = settings_of(*board);
   settings.torque_per_Nm.reset();

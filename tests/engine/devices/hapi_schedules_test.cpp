@@ -15,6 +15,7 @@
 #include "haptics/safety_governor.h"
 #include "tests/engine/devices/hapi_rig.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/sanitizers.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -261,11 +262,7 @@ bool has_force(const Schedule& schedule, std::int64_t from_ns, std::int64_t to_n
 }
 
 // AddressSanitizer makes a schedule five times slower.
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::uint64_t kSchedules = 200;
-#else
-constexpr std::uint64_t kSchedules = 1'000;
-#endif
+constexpr std::uint64_t kSchedules = test::kHasAddressSanitizer ? 200 : 1'000;
 
 TEST(HapiSchedules, TheBoardNeverGetsWhatTheRulesForbid) {
   const std::uint64_t count = test::in_soak_or_else<std::uint64_t>(20'000, kSchedules);

@@ -16,6 +16,7 @@
 #include "engine/devices/monotonic_clock.h"
 #include "tests/engine/devices/board_terminal.h"
 #include "tests/engine/devices/engine_process.h"
+#include "tests/helpers/needs.h"
 
 namespace palpate {
 namespace {
@@ -39,6 +40,7 @@ std::uint64_t forces_after_zero(const std::vector<Entry>& log, std::int64_t from
 
 class MotorGuardProcess : public ::testing::Test {
  protected:
+  void SetUp() override { PALPATE_NEEDS(test::lack_of_terminals()); }
   // Starts an engine and waits until its force has reached the board.
   void start(const std::string& behaviour) {
     process = std::make_unique<EngineProcess>(PALPATE_GUARDED_ENGINE, board.port(), behaviour);
@@ -399,6 +401,7 @@ TEST_F(MotorGuardClient, WritesWholeZerosThoughTheirPortTakesThemInPieces) {
   for (std::size_t i = 0; i < spec.zero_bytes.size(); ++i) {
     spec.zero_bytes[i] = static_cast<std::uint8_t>(i * 7 % 251);
   }
+  PALPATE_NEEDS(test::lack_of_terminals());
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
   grantpt(terminal);
   unlockpt(terminal);
@@ -495,6 +498,7 @@ std::string output_of(const std::string& command) {
 class MotorGuardProgram : public ::testing::Test {
  protected:
   void SetUp() override {
+    PALPATE_NEEDS(test::lack_of_terminals());
     folder =
         std::filesystem::path(::testing::TempDir()) / ("palpate_guard_" + std::to_string(getpid()));
     std::filesystem::create_directory(folder);

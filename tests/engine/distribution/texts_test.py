@@ -14,11 +14,13 @@ import re
 import subprocess
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from needs import need  # noqa: E402
+
 try:
     import yaml
 except ImportError:
-    print("skipped: python3-yaml is missing; setup.sh names it for .ci/run")
-    sys.exit(77)
+    need(False, "the Python module yaml: apt-get install python3-yaml")
 
 failures = []
 

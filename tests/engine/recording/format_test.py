@@ -14,15 +14,14 @@ import subprocess
 import sys
 import tempfile
 
-SKIPPED = 77
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
+from needs import need  # noqa: E402
 
 
 def main():
     writer, document = sys.argv[1:]
     missing = [name for name in ("sqlite3", "zstandard", "numpy") if not importlib.util.find_spec(name)]
-    if missing:
-        print(f"skipped: the Python modules {', '.join(missing)} are missing")
-        return SKIPPED
+    need(not missing, f"the Python modules {', '.join(missing)}: apt-get install python3-numpy python3-zstandard")
     import numpy
     lines = re.search(r"```python\n(.*?)```", pathlib.Path(document).read_text(), re.S).group(1)
     assert len(lines.splitlines()) == 12, "FORMAT.md promises twelve lines"

@@ -24,6 +24,7 @@
 #include "engine/recording/recording_settings.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/sanitizers.h"
 #include "tests/helpers/soak.h"
 
 namespace palpate {
@@ -36,11 +37,7 @@ using Bytes = std::vector<std::byte>;
 
 // Files with random bytes, in a short run. AddressSanitizer slows each several times, and the
 // fuzzer of recordings changes files under it as well.
-#ifdef __SANITIZE_ADDRESS__
-constexpr int kChangedFiles = 50;
-#else
-constexpr int kChangedFiles = 150;
-#endif
+constexpr int kChangedFiles = test::kHasAddressSanitizer ? 50 : 150;
 
 struct Frames {
   std::int64_t ticks = 0;
@@ -287,10 +284,10 @@ bool is_refused(const std::string& path) {
     (void)reader->events(1000);
   }
   EXPECT_LT(cpu_s() - before_s, 10.0) << path;
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take memory themselves
-  EXPECT_LE(memory.growth(), (std::uint64_t{64} << 20) + 40 * std::filesystem::file_size(path))
-      << path;
-#endif
+  if (!test::kHasSanitizer) {  // a sanitizer takes memory itself
+    EXPECT_LE(memory.growth(), (std::uint64_t{64} << 20) + 40 * std::filesystem::file_size(path))
+        << path;
+  }
   return is_wrong;
 }
 

@@ -19,6 +19,7 @@
 
 #include "haptics/effects/effect_program.h"
 #include "haptics/record_vectors.h"
+#include "tests/helpers/needs.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -352,6 +353,7 @@ TEST_F(TraceFile, SaysWhatCannotBeWritten) {
 }
 
 TEST_F(TraceFile, WritesToADeviceInPlaceAndReportsThatItIsFull) {
+  PALPATE_NEEDS(test::lack_of_full_disk());
   auto trace = TraceWriter::create("/dev/full");
   ASSERT_TRUE(trace) << trace.error().to_string();
   trace->add({});

@@ -10,8 +10,8 @@ run_in_node.py pictures PROJECT BUILD FOLDER PROGRAM
 run_in_node.py frames PROJECT BUILD FOLDER PROGRAM WRITE_MESH
                                                 measures frames; writes FOLDER/frames.json
 
-Exits with 77, and says why, if Node, the packages, the bundled page or Chromium is missing: setup.sh
-fetches them for `./run.sh view` and for .ci/run.
+Is not run where Node, the packages, the bundled page or Chromium is missing: setup.sh fetches them for
+`./run.sh view` and for .ci/run.
 """
 
 import os
@@ -21,19 +21,13 @@ import subprocess
 import sys
 import tempfile
 
-SKIPPED = 77
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
-from browser import find_browser  # noqa: E402
-
-
-def skip(reason):
-    print(f"skipped: {reason}")
-    sys.exit(SKIPPED)
+from browser import need_browser  # noqa: E402
+from needs import need  # noqa: E402
 
 
 def require(path, what):
-    if not path.exists():
-        skip(f"{what} is missing ({path.name}); ./run.sh view and .ci/run make it")
+    need(path.exists(), f"{what} ({path.name}), which ./run.sh view and .ci/run make")
     return path
 
 
@@ -52,8 +46,8 @@ def logic(node, work, test):
 
 
 def browser(node, project, build, script, programs, is_test=True):
-    chromium = find_browser() or skip("no Chromium is installed")
-    packages = require(project / "build/browser_packages/node_modules/playwright-core", "the driver")
+    chromium = need_browser()
+    packages = require(project / "build/browser_packages/node_modules/playwright-core", "the driver of a browser")
     require(build / "page/page.js", "the page")
     only = os.environ.get("PALPATE_ONLY")  # runs the tests whose names match
     pattern = [f"--test-name-pattern={only}"] if only else []
@@ -69,7 +63,8 @@ def browser(node, project, build, script, programs, is_test=True):
 def main():
     kind, project, build, *rest = sys.argv[1:]
     project, build = pathlib.Path(project), pathlib.Path(build)
-    node = shutil.which("node") or skip("Node is not installed")
+    node = shutil.which("node")
+    need(node, "Node, which ./run.sh view installs")
     work = build / "page_build"
     if kind == "browser":
         return browser(node, project, build, rest[0], rest[1:])

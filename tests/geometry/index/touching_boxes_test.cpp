@@ -192,12 +192,12 @@ TEST(SharedCells, IncludeAllPointsNearOtherOwnersAndFewOthers) {
   for (const auto& [p, owner] : points) cells.share_near(p, kNear_m, owner);
   int named = 0;
   int expected = 0;
-  for (const auto& [p, owner] : points) {
+  for (const auto& point : points) {
     const bool is_met = std::any_of(points.begin(), points.end(), [&](const auto& other) {
-      return other.second != owner && (other.first - p).norm() <= kNear_m;
+      return other.second != point.second && (other.first - point.first).norm() <= kNear_m;
     });
-    EXPECT_TRUE(cells.is_shared(p) || !is_met);
-    named += cells.is_shared(p) ? 1 : 0;
+    EXPECT_TRUE(cells.is_shared(point.first) || !is_met);
+    named += cells.is_shared(point.first) ? 1 : 0;
     expected += is_met ? 1 : 0;
   }
   EXPECT_GT(expected, 500);

@@ -210,7 +210,7 @@ TEST(EffectsBudget, ACappedMagnetPullsTowardsItsSurfaceAndSettlesWhenTheHandRest
 
 // Against all triangles one by one; with and without a stretch.
 TEST(EffectsBudget, FindsTheNearestPointOfASurface) {
-  Random random(7307);
+  Random random(7308);
   for (int scene = 0; scene < 40; ++scene) {
     Soup soup;
     const int count = 1 << (scene % 13);

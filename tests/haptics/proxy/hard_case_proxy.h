@@ -17,17 +17,14 @@
 #include "haptics/proxy/god_object.h"
 #include "tests/haptics/proxy/hard_case_exact.h"
 #include "tests/helpers/made.h"
+#include "tests/helpers/sanitizers.h"
 #include "tests/helpers/worlds.h"
 
 namespace palpate::test {
 
 // AddressSanitizer makes a tick up to twenty times slower. If it is used, the number of trials of
 // heavy cases is divided by this number.
-#ifdef __SANITIZE_ADDRESS__
-inline constexpr int kSanitizerDivisor = 20;
-#else
-inline constexpr int kSanitizerDivisor = 1;
-#endif
+inline constexpr int kSanitizerDivisor = kHasAddressSanitizer ? 20 : 1;
 constexpr int trials(int in_release) {
   return std::max(1, in_release / kSanitizerDivisor);
 }

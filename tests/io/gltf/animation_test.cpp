@@ -15,6 +15,7 @@
 #include "tests/helpers/floating_point.h"
 #include "tests/helpers/gltf_builder.h"
 #include "tests/helpers/random.h"
+#include "tests/helpers/sanitizers.h"
 #include "tests/io/gltf/reading.h"
 
 namespace palpate {
@@ -324,11 +325,7 @@ class RandomClip {
 };
 
 TEST(GltfKeyframes, PoseNodesMorphTargetsAndJointsByTheFormulasOfTheSpecification) {
-#ifdef __SANITIZE_ADDRESS__
-  constexpr int kRounds = 5;  // each takes 2 s there
-#else
-  constexpr int kRounds = 30;
-#endif
+  constexpr int kRounds = test::kHasAddressSanitizer ? 5 : 30;  // each takes 2 s there
   test::Random random(21);
   for (int round = 0; round < kRounds; ++round) {
     for (const Kind kind : kKinds) {
