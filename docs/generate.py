@@ -3,7 +3,7 @@
 
 usage: generate.py PALPATE PROJECT [--check]
 
-PALPATE is the program of a build of PROJECT. The build has the program tests/print_tables, too:
+PALPATE is the program of a build of PROJECT. The build has the program print_tables, too:
 
     cmake --build build/release --target palpate print_tables
     docs/generate.py build/release/palpate .
@@ -354,7 +354,7 @@ def main():
     if len(arguments) != 2:
         sys.exit(__doc__)
     palpate, project = map(pathlib.Path, arguments)
-    printer = palpate.resolve().parent / "tests/print_tables"
+    printer = palpate.resolve().parent / "print_tables"
     if not printer.is_file():
         sys.exit(f"{printer} is missing; build the target print_tables")
     tables = json.loads(run(printer))

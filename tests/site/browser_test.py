@@ -6,7 +6,7 @@ usage: browser_test.py PROJECT [FOLDER]
 Builds the site, or takes the built one in FOLDER. Opens every page in a frame as wide as a phone, and
 the pages of PAGES also as wide as a screen, with light and dark colours. The console must stay empty, and nothing may be
 requested elsewhere. A page is not wider than its frame, and its text has a contrast of at least
-LEAST_CONTRAST. The search finds pages with the word "god-object". Exits with 77 if Chromium or Sphinx is
+LEAST_CONTRAST. The search finds pages with the word "god-object". Is not run if Chromium or Sphinx is
 missing.
 """
 
@@ -115,10 +115,7 @@ def problems_of(chromium, site, folder):
 
 
 def main():
-    chromium = browser.find_browser()
-    if chromium is None:
-        print("not run: no Chromium is installed")
-        return browser.SKIPPED
+    chromium = browser.need_browser()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name).resolve()
         browser.check_console_is_heard(chromium, folder)

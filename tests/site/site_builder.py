@@ -5,7 +5,9 @@ import shutil
 import subprocess
 import sys
 
-SKIPPED = 77  # exit code if Sphinx, MyST or furo is missing
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "helpers"))
+from needs import need  # noqa: E402
+
 MODULES = ("sphinx", "myst_parser", "furo")
 
 
@@ -15,9 +17,8 @@ def require_sphinx():
     if command:  # it may belong to another Python than this one
         python = pathlib.Path(command).read_text(encoding="utf-8").splitlines()[0].removeprefix("#!").split()
         done = subprocess.run([*python, "-c", "import " + ", ".join(MODULES)], capture_output=True)
-    if not command or done.returncode:
-        print("not run: the packages python3-sphinx, python3-myst-parser and furo are missing")
-        sys.exit(SKIPPED)
+    need(command and done.returncode == 0,
+         "Sphinx with MyST and furo: apt-get install python3-sphinx python3-myst-parser furo")
     return command
 
 
