@@ -46,7 +46,7 @@ def reached(means, rule):
 def rules_block(means):
     """What the two rules of alignment alone give."""
     return tables.markdown(
-        [f"a hand without delay, {LEADING} s", "mean contact angle over the four objects"],
+        [f"a hand without delay, {LEADING} s", "mean contact angle of each object, least to greatest"],
         [("turns to the nearer end of the motor's axis (`--align nearest`, the default)",
           [reached(means, "nearest")]),
          ("turns to the positive end (`--align forward`), as Table 1's acos reads",

@@ -59,13 +59,19 @@ class Machine:
 
 # Blocks of the README
 
+def means(objects, key):
+    """The means over objects without and with A4."""
+    return [sum(runs[run][key] for runs in objects.values()) / len(objects) for run in (0, 1)]
+
+
 def a4_block(objects):
+    (off_deg, on_deg), (off_J, on_J) = (means(objects, key)
+                                        for key in ("mean_contact_angle_deg", "port_work_J"))
     off, on = objects["star"]
-    return ("With A4, the mean contact angle of a simulated hand falls from "
-            f"{off['mean_contact_angle_deg']:.1f} to {on['mean_contact_angle_deg']:.1f} deg on the star. "
-            f"In exchange, the device returns {1000 * on['port_work_J']:.0f} mJ to "
-            f"the hand instead of {1000 * off['port_work_J']:.0f} mJ, and the hand loses contact "
-            f"{on['losses_of_contact']:.0f} times instead of {off['losses_of_contact']:.0f}.")
+    return (f"On one way round each of the paper's {NUMBERS[len(objects)]} objects, the mean contact angle of a "
+            f"simulated hand falls from {off_deg:.1f} to {on_deg:.1f} deg with A4. In exchange, the device returns "
+            f"{1000 * on_J:.0f} mJ to the hand, and {1000 * off_J:.0f} mJ without A4; on the star, the hand loses "
+            f"contact {on['losses_of_contact']:.0f} times in place of {off['losses_of_contact']:.0f}.")
 
 
 def headline_block(machine, work):
@@ -108,11 +114,7 @@ def speed_block(machine, work):
 
 
 def a4_objects_block(objects, people_deg):
-    def mean(run, key):
-        return sum(runs[run][key] for runs in objects.values()) / len(objects)
-
-    angles, energies_J = ([mean(run, key) for run in (0, 1)]
-                          for key in ("mean_contact_angle_deg", "port_work_J"))
+    angles, energies_J = (means(objects, key) for key in ("mean_contact_angle_deg", "port_work_J"))
     return (f"Over the paper's {NUMBERS[len(objects)]} objects, the mean contact angle falls from "
             f"{angles[0]:.1f} to {angles[1]:.1f} deg, and the energy that the device returns rises from "
             f"{1000 * energies_J[0]:.0f} to {1000 * energies_J[1]:.0f} mJ; the paper's ten people had "
