@@ -8,11 +8,13 @@
 #include <cmath>
 #include <fcntl.h>
 #include <numbers>
+#include <optional>
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <sstream>
 #include <stdlib.h>
+#include <string_view>
 #include <system_error>
 #include <termios.h>
 #include <thread>
@@ -24,8 +26,9 @@
 #include "engine/devices/serial_port.h"
 #include "engine/devices/snapshot_ring.h"
 
-// The rail sends the position of its handle and is sent the force of its motor, each as a decimal
-// number in a line of its own, m and N.
+// The rail sends the position of its handle, such as P0.01, and is sent the force of its motor,
+// such as F-1.5: a letter and a decimal number in a line of its own, m and N. The rest of a line
+// that was cut has no letter, and is therefore no force.
 
 namespace palpate {
 namespace {
@@ -38,18 +41,18 @@ struct RailSettings {
   bool works_without_guard = false;
 };
 
-// Collects lines, and keeps the number of the last complete one.
+// Collects lines, and keeps the number of the last complete one that begins with the letter.
 class LineNumber {
  public:
+  explicit LineNumber(char letter) noexcept : letter_(letter) {}
+
   // Returns how many numbers were completed.
   int take(std::span<const std::uint8_t> bytes) noexcept {
     int completed = 0;
     for (const std::uint8_t byte : bytes) {
       if (byte == '\n') {
-        double number = 0.0;
-        const auto [end, failed] = std::from_chars(line_.data(), line_.data() + length_, number);
-        if (failed == std::errc() && end == line_.data() + length_ && std::isfinite(number)) {
-          value_ = number;
+        if (const auto number = number_of({line_.data(), length_})) {
+          value_ = *number;
           ++completed;
         }
         length_ = 0;
@@ -63,16 +66,28 @@ class LineNumber {
   double value() const noexcept { return value_; }
 
  private:
+  std::optional<double> number_of(std::string_view line) const noexcept {
+    double number = 0.0;
+    if (line.empty() || line.front() != letter_) return std::nullopt;
+    line.remove_prefix(1);
+    const char* const last = line.data() + line.size();
+    const auto [end, failed] = std::from_chars(line.data(), last, number, std::chars_format::fixed);
+    if (failed != std::errc() || end != last || !std::isfinite(number)) return std::nullopt;
+    return number;
+  }
+
+  char letter_;
   std::array<char, 32> line_ = {};
   std::size_t length_ = 0;
   double value_ = 0.0;
 };
 
-// A number as a line, without an exponent.
+// A letter and a number as a line, without an exponent.
 struct Line {
-  explicit Line(double number) noexcept {
-    const auto [end, failed] = std::to_chars(bytes.data(), bytes.data() + bytes.size() - 1, number,
-                                             std::chars_format::fixed, 9);
+  Line(char letter, double number) noexcept {
+    bytes[0] = letter;
+    const auto [end, failed] = std::to_chars(bytes.data() + 1, bytes.data() + bytes.size() - 1,
+                                             number, std::chars_format::fixed, 9);
     *end = '\n';
     length = static_cast<std::size_t>(end + 1 - bytes.data());
   }
@@ -150,12 +165,15 @@ class RailThread {
   static constexpr std::int64_t kOldestForce_ns = 10'000'000;
 
   void run() noexcept {
+    auto next = std::chrono::steady_clock::now();
     while (!ends_) {
       exchange();
-      std::this_thread::sleep_for(std::chrono::nanoseconds(period_ns_));
+      next =
+          std::max(next + std::chrono::nanoseconds(period_ns_), std::chrono::steady_clock::now());
+      std::this_thread::sleep_until(next);
     }
-    send(0.0);  // or the rest of a message
-    send(0.0);
+    send({});  // or the rest of a message
+    send({});
     states_.publish(state_);
   }
 
@@ -181,17 +199,18 @@ class RailThread {
     forces_.read(force);
     const bool is_recent = now_ns - force.tick_ns < std::max(kOldestForce_ns, 5 * period_ns_);
     const bool may_push = is_recent && !state_.has_guard_stopped && (guard || works_without_guard_);
-    if (send(may_push ? force.force_N : 0.0) && guard) {
-      // Before the first tick, no force can be old.
-      guard->beat(force.tick_ns != 0 ? force.tick_ns : now_ns, now_ns);
-    }
+    if (!may_push) force.force_N = 0.0;
+    if (force.tick_ns == 0) force.tick_ns = now_ns;  // before the first tick, no force can be old
+    if (send(force) && guard) guard->beat(sent_tick_ns_, now_ns);
     states_.publish(state_);
   }
 
-  // Sends a message, or the rest of one that was cut. Whether the port has then taken all of it.
-  bool send(double force_N) noexcept {
-    if (sent_ == line_.length) {
-      line_ = Line(force_N);
+  // Sends a message, or the rest of one that was cut. A message of which nothing was sent is
+  // replaced: its force may be old. Whether the port has then taken all of it.
+  bool send(const RailForce& force) noexcept {
+    if (sent_ == line_.length || sent_ == 0) {
+      line_ = Line('F', force.force_N);
+      sent_tick_ns_ = force.tick_ns;
       sent_ = 0;
     }
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(line_.bytes.data());
@@ -206,9 +225,10 @@ class RailThread {
   SerialPort port_;
   std::int64_t period_ns_;
   bool works_without_guard_;
-  LineNumber position_m_;
-  Line line_{0.0};
+  LineNumber position_m_{'P'};
+  Line line_{'F', 0.0};
   std::size_t sent_ = line_.length;
+  std::int64_t sent_tick_ns_ = 0;  // the tick of the line
   RailState state_;
   std::uint64_t epoch_ = 0;
   SnapshotRing<RailForce> forces_;
@@ -264,7 +284,7 @@ class RailDevice final : public GuardableDevice {
 
   int descriptor() const noexcept override { return thread_ ? thread_->descriptor() : -1; }
   // The first byte ends a line that was cut: a part of a number without exponent is not larger.
-  std::vector<std::uint8_t> zero_bytes() const override { return {'\n', '0', '\n'}; }
+  std::vector<std::uint8_t> zero_bytes() const override { return {'\n', 'F', '0', '\n'}; }
   void set_guard(WriteGuard* guard) noexcept override {
     if (thread_) thread_->set_guard(guard);
   }
@@ -356,14 +376,14 @@ class SimulatedRail final : public SimulatedHardware {
  private:
   void run() {
     const std::int64_t start_ns = monotonic_ns();
-    LineNumber force_N;
+    LineNumber force_N('F');
     while (!ends_) {
       std::array<std::uint8_t, 1024> bytes;
       const auto count = std::max<ssize_t>(0, ::read(terminal_, bytes.data(), bytes.size()));
       commands_ += force_N.take(std::span(bytes).first(static_cast<std::size_t>(count)));
       last_N_ = force_N.value();
       const double time_s = 1e-9 * static_cast<double>(monotonic_ns() - start_ns);
-      const Line line(kAmplitude_m * std::sin(2.0 * std::numbers::pi * time_s / kPeriod_s));
+      const Line line('P', kAmplitude_m * std::sin(2.0 * std::numbers::pi * time_s / kPeriod_s));
       // While nobody reads, the terminal is full, and the position is lost.
       [[maybe_unused]] const auto written = ::write(terminal_, line.bytes.data(), line.length);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
