@@ -86,7 +86,8 @@ def label_cells(table):
 
 def mark_commands(block):
     """A block that, if it has command lines, has a class for them, and one for their options."""
-    if not re.match(r"(\$ )?(\./|palpate )", re.sub(r"<[^>]*>|#.*\n", "", block[0]).strip()):
+    code = re.sub(r"<[^>]*>|#.*\n", "", block[0]).strip()
+    if block[1] == "text" and not re.match(r"(\$ )?(\./|palpate |git |cmake )", code):
         return block[0]
     text = re.sub(r"(?<=[>\s\[])--?[a-z][\w-]*", r'<span class="option">\g<0></span>', block[0])
     return text.replace('class="', 'class="commands ', 1)
@@ -95,7 +96,7 @@ def mark_commands(block):
 def finish_body(app, page, template, context, doctree):
     if "body" in context:
         body = re.sub(r'<table class="[^"]*docutils.*?</table>', label_cells, context["body"], flags=re.S)
-        body = re.sub(r'<div class="highlight-(?:sh|text) .*?</pre>', mark_commands, body, flags=re.S)
+        body = re.sub(r'<div class="highlight-(sh|text) .*?</pre>', mark_commands, body, flags=re.S)
         context["body"] = re.sub(r'<span class="pre">(?=--?[a-z])', '<span class="pre option">', body)
 
 
