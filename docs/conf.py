@@ -63,7 +63,7 @@ def make_static(app, error):
 
 # A table with at least so many columns, whose longest cells have together more characters, becomes a list on
 # a phone (static/site.css).
-LIST_COLUMNS, LIST_CHARACTERS = 3, 95
+LIST_COLUMNS, LIST_CHARACTERS = 3, 80
 
 
 def text_of(cell):
