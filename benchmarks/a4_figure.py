@@ -23,14 +23,14 @@ TURN = svg.INK
 WIDTH = 960
 MARGIN = 22
 GAP = 12
-LEGEND_Y = 138
-PANELS_TOP = 158
-TEXT = 17
+LEGEND_Y = 148
+PANELS_TOP = 168
+TEXT = 19
 HEADER = 30
 ARROW_PX = 80
 NORMAL_PX = 70
 ANGLE_PX = 34
-LEGEND_X = [0, 196, 374, 570, 690]
+LEGEND_X = [0, 197, 374, 558, 692]
 LEFT_OF_CONTACT_M = 0.092  # so that the arrows do not leave the panel
 
 
@@ -242,7 +242,7 @@ def draw_text(picture, top, objects):
     below = top
     for n, (title, text) in enumerate(columns):
         x = MARGIN + n * (column + 24)
-        picture.text((x, top + 16), title, 18, bold=True)
+        picture.text((x, top + 16), title, 20, bold=True)
         below = max(below, picture.paragraph((x, top + 42), text, column, TEXT))
     return below
 

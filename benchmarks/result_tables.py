@@ -309,8 +309,8 @@ def side_test_table(runs):
 
 
 def change(runs, pattern, key, scale=1):
-    """Without -> with A4."""
-    return " -> ".join(pattern % (scale * run[key]) for run in runs)
+    """Without → with A4, on one line."""
+    return "\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}".join(pattern % (scale * run[key]) for run in runs)
 
 
 def objects_table(objects):
@@ -322,6 +322,6 @@ def objects_table(objects):
                 ("contour completed, %", "%.0f", "way_share", 100),
                 ("losses of contact", "%.0f", "losses_of_contact", 1),
                 ("energy returned by the device, mJ", "%.0f", "port_work_J", 1000)]
-    return markdown(["one turn, without -> with A4"] + [name.replace("_", " ") for name in objects],
+    return markdown(["one turn, without → with A4"] + [name.replace("_", " ") for name in objects],
                     [(title, [change(runs, pattern, key, scale) for runs in objects.values()])
                      for title, pattern, key, scale in measures])

@@ -11,7 +11,7 @@ PALPATE is the program of a build of PROJECT. The build has the program print_ta
 A part stands in a page between `<!-- generated:NAME:begin -->` and `<!-- generated:NAME:end -->`:
 
     commands       the help of every command
-    settings       the settings of a run (engine/session/run_setting.cpp)
+    settings       the settings of a run (engine/session/run_setting.cpp), with the defaults of the help
     material_keys, scene_keys, node_keys
                    the keys of extras.palpate (engine/scene/palpate_extras.schema.json)
     record         the members of a tick's record, with the comments of haptics/include/palpate/record.h
@@ -232,8 +232,7 @@ def command_part(entry, shared):
     return "\n".join(lines).rstrip("\n")
 
 
-def commands_part(palpate):
-    helps = all_helps(palpate)
+def commands_part(helps):
     shared = shared_options(helps)
     parts = [*(command_part(entry, shared) for entry in helps),
              "## Options that commands share",
@@ -251,11 +250,17 @@ def commands_part(palpate):
 # --- Settings ---
 
 
-def settings_part(tables):
-    return table(("option", "key", "values", "unit", "meaning"),
-                 [(code(row["option"]), code(row["key"]), row["values"], row["unit"],
-                   plain(re.sub(r" \[([^\]]+)\]$", r"; default: \1", row["meaning"])))
-                  for row in tables["settings"]])
+def settings_part(tables, helps):
+    defaults = {option[0].split()[0]: default_of(users)
+                for options in shared_options(helps).values() for option, users in options.items()}
+    rows = []
+    for row in tables["settings"]:
+        values = with_unit(row["values"], row["unit"]) or f"in {row['unit']}" * bool(row["unit"])
+        default = defaults.get(row["option"])
+        meaning = re.sub(r" \[[^\]]+\]$", "", row["meaning"]) if default else row["meaning"]
+        rows.append((code(row["option"]), plain(meaning),
+                     "; ".join(filter(None, (values, f"default: {default}" * bool(default)))), code(row["key"])))
+    return table(("option", "meaning", "values", "key"), rows)
 
 
 # --- Keys of files ---
@@ -263,6 +268,11 @@ def settings_part(tables):
 
 def number_text(value):
     return f"{value:g}".replace("e+0", "e") if isinstance(value, float) or abs(value) >= 1e5 else str(value)
+
+
+def with_unit(values, unit):
+    """A range with its unit, which never stands alone on a line: no-break spaces."""
+    return values + f" {unit}".rstrip().replace(" ", "\N{NO-BREAK SPACE}") if values else ""
 
 
 def range_of(schema):
@@ -284,8 +294,8 @@ def keys_part(schema):
                 meaning += " It needs " + " and ".join(code(need) for need in needs) + "."
         if "default" in value:
             meaning += f" Default: {code(json.dumps(value['default']))}."
-        rows.append((code(key), value.get("unit", ""), range_of(value), plain(meaning)))
-    return table(("key", "unit", "range", "meaning"), rows)
+        rows.append((code(key), plain(meaning), with_unit(range_of(value), value.get("unit", ""))))
+    return table(("key", "meaning", "range"), rows)
 
 
 # --- The record of a tick ---
@@ -326,8 +336,8 @@ def record_part(tables, header):
         if not meaning:
             sys.exit(f"haptics/include/palpate/record.h: TickRecord::{row['name']} has no comment")
         meaning = re.sub(NAMES, r"`\g<0>`", meaning)
-        rows.append((column, member, unit, row["frame"], plain(meaning)))
-    return table(("column of a trace", "member", "unit", "frame", "meaning"), rows)
+        rows.append((column, plain(meaning), ", ".join(filter(None, (unit, row["frame"]))), member))
+    return table(("column of a trace", "meaning", "unit, frame", "member"), rows)
 
 
 def columns_of(row, columns):
@@ -360,9 +370,10 @@ def main():
     tables = json.loads(run(printer))
     schema = json.loads((project / "engine/scene/palpate_extras.schema.json").read_text(encoding="utf-8"))
     header = (project / "haptics/include/palpate/record.h").read_text(encoding="utf-8")
+    helps = all_helps(palpate.resolve())
     parts = {
-        "commands": commands_part(palpate.resolve()),
-        "settings": settings_part(tables),
+        "commands": commands_part(helps),
+        "settings": settings_part(tables, helps),
         "record": record_part(tables, header),
         **{f"{kind}_keys": keys_part(schema["$defs"][kind]) for kind in ("material", "scene", "node")},
     }

@@ -94,7 +94,8 @@ class Pages:
                           self._link(page, file, inner), match["text"])
         path = posixpath.normpath(posixpath.join(posixpath.dirname(file), target)) if target else file
         if match["picture"]:
-            return f"![{text}]({posixpath.relpath(path, here or '.')})"
+            shown = " ".join(text.split())  # MyST drops the line breaks of an alternative text
+            return f"![{shown}]({posixpath.relpath(path, here or '.')})"
         shown = self.page_for(path) if target else page
         if shown is None:
             if not (self.project / path).exists():

@@ -87,7 +87,7 @@ RECIPES = {
              f'    setting(HAPTIC(eased_share), "--eased-share", kTouch, {{0.0, 1.0}}, "{MEANING}", "", "",\n'
              '            {"eased_share"}, {"eased_share"}),\n    setting(CHOICE(a4.table1, ')],
         "docs/reference/settings.md": [
-            ("| `--table1` |", f"| `--eased-share` | `eased_share` | 0 to 1 |  | {MEANING} |\n| `--table1` |")],
+            ("| `--table1` |", f"| `--eased-share` | {MEANING} | 0 to 1; default: `0.5` | `eased_share` |\n| `--table1` |")],
     }),
 }
 
