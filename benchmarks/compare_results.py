@@ -93,4 +93,4 @@ def losses_block(result):
         texts = {name: pattern % (factor * means[name]["mean"]) for name in ["a4", *names]}
         rows.append((title, [texts["a4"], ", ".join(f"`{name}` {texts[name]}" for name in names)]))
     return tables.markdown([f"mean of {result['hands']} hands", "`a4`", "techniques that are better"],
-                           rows)
+                           rows, words=3)

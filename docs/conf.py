@@ -20,7 +20,7 @@ release = version = re.search(r"project\(\s*palpate\s+VERSION\s+([\d.]+)",
                               (PROJECT / "CMakeLists.txt").read_text(encoding="utf-8"), re.I)[1]
 extensions = ["myst_parser"]
 smartquotes = False  # `--option` has two hyphens
-highlight_language = "sh"  # a block without a language has command lines
+highlight_language = "text"  # a block without a language has command lines
 
 html_theme = "furo"
 html_theme_options = {"footer_icons": []}

@@ -207,18 +207,18 @@ TEST_F(DeviceRunProgram, AHandFeelsTheWallAfterTheStartRampAndNothingAtTheEnd) {
     expect_zero_at_last();
     ASSERT_TRUE(has_trace()) << outcome.err;
     const json result = json::parse(outcome.out);
-    if (!has_pressed || result["tripped"]) continue;
+    if (!has_pressed || result.at("tripped")) continue;
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_EQ(result["interrupted"], false);
-    EXPECT_EQ(result["device"]["guard"], true);
-    EXPECT_EQ(result["device"]["problem"], nullptr);
-    ASSERT_EQ(result["runs"].size(), 1u);
-    const json& run = result["runs"][0];
-    EXPECT_EQ(run["a4"], false);
-    EXPECT_GT(run["contact_ticks"], 0);
+    EXPECT_EQ(result.at("interrupted"), false);
+    EXPECT_EQ(result.at("device").at("guard"), true);
+    EXPECT_EQ(result.at("device").at("problem"), nullptr);
+    ASSERT_EQ(result.at("runs").size(), 1u);
+    const json& run = result.at("runs").at(0);
+    EXPECT_EQ(run.at("a4"), false);
+    EXPECT_GT(run.at("contact_ticks"), 0);
     EXPECT_FALSE(run.contains("comparable"));
     const std::string trace = content_of(folder.path("out/trace-off.csv"));
-    EXPECT_EQ(std::count(trace.begin(), trace.end(), '\n'), 1 + run["ticks"].get<long>());
+    EXPECT_EQ(std::count(trace.begin(), trace.end(), '\n'), 1 + run.at("ticks").get<long>());
 
     const auto log = board->log();
     const auto first =
@@ -246,9 +246,9 @@ TEST_F(DeviceRunProgram, ASignalEndsTheRunWithZeroAndResults) {
     expect_zero_at_last();
     EXPECT_TRUE(has_trace());
     const json result = json::parse(outcome.out);
-    EXPECT_EQ(result["interrupted"], true);
-    EXPECT_LT(result["runs"][0]["ticks"], 60'000);
-    EXPECT_GT(result["runs"][0]["contact_ticks"], 0);
+    EXPECT_EQ(result.at("interrupted"), true);
+    EXPECT_LT(result.at("runs").at(0).at("ticks"), 60'000);
+    EXPECT_GT(result.at("runs").at(0).at("contact_ticks"), 0);
   }
 }
 
@@ -262,12 +262,12 @@ TEST_F(DeviceRunProgram, APulledCableIsATripWithResults) {
       << outcome.err;
   EXPECT_TRUE(has_trace());
   const json result = json::parse(outcome.out);
-  EXPECT_EQ(result["tripped"], true);
-  EXPECT_EQ(result["interrupted"], false);
-  EXPECT_EQ(result["runs"][0]["interrupted"], false);
-  EXPECT_LT(result["runs"][0]["ticks"], 60'000) << "the trip ends the run";
-  EXPECT_EQ(result["runs"][0]["governor"]["last_trip"]["reason"], "device");
-  const std::string problem = result["device"]["problem"];
+  EXPECT_EQ(result.at("tripped"), true);
+  EXPECT_EQ(result.at("interrupted"), false);
+  EXPECT_EQ(result.at("runs").at(0).at("interrupted"), false);
+  EXPECT_LT(result.at("runs").at(0).at("ticks"), 60'000) << "the trip ends the run";
+  EXPECT_EQ(result.at("runs").at(0).at("governor").at("last_trip").at("reason"), "device");
+  const std::string problem = result.at("device").at("problem");
   EXPECT_NE(problem.find("the port was disconnected"), std::string::npos) << problem;
 }
 
@@ -282,7 +282,7 @@ TEST_F(DeviceRunProgram, AKilledGuardIsATripWithZeroAndResults) {
     expect_zero_at_last();
     EXPECT_TRUE(has_trace());
     const json result = json::parse(outcome.out);
-    const std::string problem = result["device"]["problem"];
+    const std::string problem = result.at("device").at("problem");
     if (problem.find("the guard of the motors has ended") != std::string::npos) return;
     std::cout << "another trip came first: " << outcome.err;
   }
@@ -327,9 +327,9 @@ TEST_F(DeviceRunProgram, RecordsWhatReplaysToTheBit) {
   const Outcome outcome = outcome_of(started);
   EXPECT_EQ(outcome.exit_code, kTripped) << outcome.err;
   const json result = json::parse(outcome.out);
-  ASSERT_EQ(result["recordings"].size(), 1u);
-  EXPECT_EQ(result["recordings"][0]["ticks"], result["runs"][0]["ticks"]);
-  EXPECT_GT(result["runs"][0]["contact_ticks"], 0);
+  ASSERT_EQ(result.at("recordings").size(), 1u);
+  EXPECT_EQ(result.at("recordings").at(0).at("ticks"), result.at("runs").at(0).at("ticks"));
+  EXPECT_GT(result.at("runs").at(0).at("contact_ticks"), 0);
   const Outcome info = run_program(folder, {"recording", "info", recording});
   EXPECT_NE(info.out.find("  ended         trip ("), std::string::npos) << info.out;
   const Outcome replayed = run_program(folder, {"replay", recording});
@@ -346,7 +346,7 @@ TEST_F(DeviceRunProgram, ARecordingSaysThatTheHandBeganInside) {
                                             choice, "--record", recording}));
     ASSERT_NE(outcome.out, "") << outcome.err;
     const json result = json::parse(outcome.out);
-    EXPECT_EQ(result["start_inside"]["node"], "node 0") << outcome.err;
+    EXPECT_EQ(result.at("start_inside").at("node"), "node 0") << outcome.err;
     const Outcome info = run_program(folder, {"recording", "info", recording, "--json"});
     const std::string expected =
         inside + (choice == "stay" ? " and stays there; force begins"

@@ -10,7 +10,8 @@ folder, whose run.sh starts the built program instead of installing and building
 or 3 from a line whose comment names exit code 3. The lines of one help or document run in one folder,
 in order: a later line may read the files of an earlier one. The plan of an experiment or the sweep that
 a line has written is made smaller before the next line. A block of `text` below the line
-<!-- printed --> quotes what commands of its page print: each of its lines must be one of theirs.
+<!-- printed --> quotes what commands of its page print: each of its lines must be one of theirs, or the
+begin of one and " ...".
 """
 
 import json
@@ -132,6 +133,11 @@ def shrink_plans(folder):
         path.write_text(json.dumps(plan))
 
 
+def is_printed(line, printed):
+    """A quoted line may end with " ..." in place of its rest."""
+    return any(each.startswith(line[:-4]) for each in printed) if line.endswith(" ...") else line in printed
+
+
 def run_lines(palpate, project, source, lines, quoted):
     """Runs the lines, and looks for each quoted line in what they print."""
     failures, printed = [], set()
@@ -160,7 +166,7 @@ def run_lines(palpate, project, source, lines, quoted):
                 failures.append(f"{source}: {line}: exit code {done.returncode}\n"
                                 f"{done.stdout[:1000]}{done.stderr}")
     return failures + [f"{source}: no command of the page prints: {line}"
-                       for line in quoted if line not in printed]
+                       for line in quoted if not is_printed(line, printed)]
 
 
 def main():
