@@ -1,10 +1,6 @@
-// What a loop's owner changes between ticks, and the ticks of a free hand.
-
-#include <algorithm>
-#include <utility>
+// What a loop's owner changes between ticks.
 
 #include "haptics/haptic_loop.h"
-#include "haptics/record_vectors.h"
 
 namespace palpate {
 
@@ -65,37 +61,6 @@ void HapticLoop::hold_hand() noexcept {
   last_was_good_ = false;
   end_contact_force();
   if (effects_) effects_->reset_states();
-}
-
-// Action 2, and the proxy without contact. A body that would crush the proxy moves all the same,
-// because in the next tick the proxy is put at the device point again.
-const TickRecord& HapticLoop::follow_freely(double dt_s) {
-  apply_user_motion();
-  const Vec3 goal_solver = goal_solver_m();
-  if (has_proxy_) {
-    proxy_state_ = god_object_.move_to(goal_solver, motion_plane_normal());
-    const bool is_stopped =
-        proxy_state_.in_contact || proxy_state_.capped || (record_.faults & kFaultBodyHeld) != 0;
-    if (is_stopped) has_proxy_ = false;
-  } else {
-    god_object_.place(goal_solver, motion_plane_normal());
-    ++free_tracks_;
-    has_proxy_ = true;
-  }
-  record_.iterations = has_proxy_ ? static_cast<std::uint32_t>(proxy_state_.iterations) : 0;
-  proxy_state_ = {};
-  proxy_state_.proxy = goal_solver;
-  view(record_.proxy_scene_m) = view(record_.goal_scene_m);
-  view(record_.normal_scene).setZero();
-  record_.contact = 0;
-  record_.alpha_rad = 0.0;
-  record_.rotation_rad = 0.0;
-  record_.effects = 0;
-  record_.faults &= ~static_cast<std::uint32_t>(kFaultBodyHeld);
-  set_zero_force();
-  end_contact_force();
-  theoretical_rotation_.reset();
-  return end_tick(dt_s);
 }
 
 }  // namespace palpate
