@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "engine/scene/memory_budget.h"
 #include "engine/scene/node_tree.h"
 #include "engine/scene/scene_bounds.h"
 #include "io/hidden_nodes.h"
