@@ -95,7 +95,7 @@ case $preset in
 esac
 if [ -z "$sets_jobs" ]; then set -- -j "$(nproc)" "$@"; fi
 if [ -n "$leaves_out_soak" ]; then
-  say "running the tests on $(nproc) cores; on two quiet cores, this takes about ten minutes"
+  say "running the tests on $(nproc) cores; on two cores, this takes about twelve minutes"
 fi
 results=$(mktemp)
 trap 'rm -f "$results"' EXIT
