@@ -559,7 +559,8 @@ TEST(SafetyGovernor, OfADeviceWithoutMotorsOnlyClampsAndDropsForces) {
   EXPECT_EQ(path.tick({900.0, 20.0, 0.0}), Vec3(900.0, 20.0, 0.0));
 }
 
-// The work that the motors give, and what masking gives by design: the hand of docs/inside/haptics.md.
+// The work that the motors give, and what masking gives by design: the hand of
+// docs/inside/haptics.md.
 TEST(SafetyGovernor, SumsTheWorkThatMissingMotorsGive) {
   constexpr double kStiffness_N_per_m = 100.0;
   constexpr double kDepth_m = 5e-3;
