@@ -188,8 +188,8 @@ WorstInput instances_at_one_point(std::size_t count, double radius_m, bool is_st
         Quat(Eigen::AngleAxisd(random.uniform(0.0, kTwoPi), corner_m.normalized()));
     Vec3 top_m = corner_m;
     if (is_stretched) {
-      const Vec3 factors(random.uniform(0.5, 2.0), random.uniform(0.5, 2.0),
-                         random.uniform(0.5, 2.0));
+      Vec3 factors;
+      for (int axis = 2; axis >= 0; --axis) factors[axis] = random.uniform(0.5, 2.0);
       input.stretches->emplace_back(factors.asDiagonal(), index->box());
       top_m = factors.cwiseProduct(corner_m);
     }
@@ -209,7 +209,9 @@ WorstInput dense_soup(std::size_t count, double radius_m) {
   Soup soup;
   for (std::size_t i = 0; i < count; ++i) {
     const double half_m = 0.5 * kSize_m;
-    soup.add(random.in_box(half_m), random.in_box(half_m), random.in_box(half_m));
+    const Vec3 c = random.in_box(half_m);
+    const Vec3 b = random.in_box(half_m);
+    soup.add(random.in_box(half_m), b, c);
   }
   WorstInput input = input_of("dense_soup", soup, radius_m);
   visit(input, {{0.01, 0.0, 0.6 * kSize_m}, {0.01, 0.0, 0.0}, 1e-3, 0.02});
@@ -281,8 +283,9 @@ WorstInput start_in_a_cluster(std::size_t count, double radius_m) {
   const double half_m = 1e-6 * kSize_m;
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 middle = random.in_box(half_m);
-    soup.add(middle + random.in_box(0.1 * half_m), middle + random.in_box(0.1 * half_m),
-             middle + random.in_box(0.1 * half_m));
+    const Vec3 c = middle + random.in_box(0.1 * half_m);
+    const Vec3 b = middle + random.in_box(0.1 * half_m);
+    soup.add(middle + random.in_box(0.1 * half_m), b, c);
   }
   soup.add({0.5 * kSize_m, 0.0, -0.1}, {-0.5 * kSize_m, 0.4 * kSize_m, -0.1},
            {-0.5 * kSize_m, -0.4 * kSize_m, -0.1});
