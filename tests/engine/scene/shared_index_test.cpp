@@ -61,8 +61,8 @@ Mat3 random_map(MapKind kind, double most_ratio, Random& random) {
   const auto turn = [&] {
     return random.index(3) ? Mat3(random.rotation().toRotationMatrix()) : Mat3(Mat3::Identity());
   };
-  const Mat3 turned = turn();
-  const Mat3 first = turned * signs(random, kind == MapKind::kMirror || random.index(4) == 0);
+  const Mat3 sign = signs(random, kind == MapKind::kMirror || random.index(4) == 0);
+  const Mat3 first = turn() * sign;
   if (kind == MapKind::kUniform || kind == MapKind::kMirror) return first;
   Vec3 stretch;
   for (double& s : stretch) s = std::pow(most_ratio, -random.uniform(0.0, 1.0));
