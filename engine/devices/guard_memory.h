@@ -11,7 +11,7 @@ namespace palpate {
 
 inline constexpr std::uint32_t kGuardMagic = 0x44524750;  // "PGRD"
 // Both sides compare it: a guard of another build refuses its work.
-inline constexpr std::uint32_t kGuardVersion = 1;
+inline constexpr std::uint32_t kGuardVersion = 2;
 inline constexpr int kGuardSocket = 3;  // the descriptor of the socket in the guard
 // Above the haptic thread (haptic_thread.cpp), so that a busy haptic thread cannot delay the guard.
 inline constexpr int kGuardPriority = 81;
@@ -25,6 +25,9 @@ struct GuardMemory {
 
   // The owner of the device writes this.
   alignas(64) std::atomic<std::uint32_t> is_armed{0};
+  // How far CLOCK_BOOTTIME was ahead of CLOCK_MONOTONIC when the owner armed the guard, at most;
+  // the guard raises it when the machine was suspended since.
+  std::atomic<std::int64_t> boot_ahead_ns{0};
 
   // The driver's thread writes these.
   alignas(64) std::atomic<std::int64_t> beat_ns{0};  // when the last command was written
@@ -37,7 +40,10 @@ struct GuardMemory {
   // The guard writes these.
   alignas(64) std::atomic<std::uint64_t> trip_epoch{0};  // the number of trips
   std::atomic<std::uint64_t> quiet_epoch{0};  // the guard writes no zeros any more after this trip
-  std::atomic<std::int64_t> guard_ns{0};      // when the guard last woke
+  // 1: the last trip was because the machine was suspended. The driver clears it with its
+  // acknowledgement.
+  std::atomic<std::uint32_t> was_suspended{0};
+  std::atomic<std::int64_t> guard_ns{0};  // when the guard last woke
   std::atomic<std::int32_t> guard_pid{0};
   std::atomic<std::uint32_t> is_guard_alive{0};  // 0 before its first word and after its end
 

@@ -30,10 +30,13 @@ constexpr std::int64_t kShortestStaleNs = 20'000'000;
 constexpr double kStalePeriods = 10.0;
 constexpr int kAnswerMs = 5000;  // for an answer of the guard, on a busy machine
 constexpr int kEndMs = 2000;     // for the guard's end; it writes zeros for 200 ms
+constexpr int kLookMs = 20;      // so often a wait looks whether the guard can run at all
 // An armed guard wakes every 50 ms at least. Without real-time scheduling a busy machine delays a
 // wake-up by 100 ms; ten missed wake-ups mean that the guard is frozen.
 constexpr std::int64_t kFrozenNs = 10 * kGuardWakeNs;
 constexpr const char* kProgram = "palpate-guard";
+constexpr const char* kResume =
+    "let it run again, by `kill -CONT` or by the debugger that holds it, or start again";
 
 Error guard_error(std::string problem, std::string hint = "") {
   return {ErrorCode::kInvalidArgument, "", kProgram, std::move(problem), std::move(hint)};
@@ -130,14 +133,18 @@ std::optional<Error> send_order(int socket, const GuardSpec& spec, int memory, i
   return errno == EPIPE ? no_word() : system_error("sending the device to the guard", errno);
 }
 
-// Receives one message of exactly `size` bytes.
-bool receive_message(int socket, void* content, std::size_t size) {
-  pollfd waiting{socket, POLLIN, 0};
-  int ready = 0;
-  do {
-    ready = poll(&waiting, 1, kAnswerMs);
-  } while (ready < 0 && errno == EINTR);
-  return ready > 0 && recv(socket, content, size, MSG_DONTWAIT) == static_cast<ssize_t>(size);
+// Waits until a descriptor is readable, or has hung up, for at most `most_ms` or until `ends`
+// returns true. Returns whether it is.
+template <typename Ends>
+bool wait_for_input(int descriptor, int most_ms, Ends&& ends) {
+  const std::int64_t end_ns = monotonic_ns() + std::int64_t{1'000'000} * most_ms;
+  pollfd waiting{descriptor, POLLIN, 0};
+  for (;;) {
+    const int ready = poll(&waiting, 1, kLookMs);
+    if (ready > 0) return true;
+    if (ready < 0 && errno != EINTR) return false;
+    if (ends() || monotonic_ns() >= end_ns) return false;
+  }
 }
 
 std::string explain_fifo(int error) {
@@ -225,7 +232,8 @@ std::optional<Error> MotorGuard::start_process(const std::string& program, int s
 
 std::optional<Error> MotorGuard::receive_word() {
   GuardWord word;
-  if (!receive_message(socket_, &word, sizeof word)) {
+  if (!receive(&word, sizeof word)) {
+    if (is_stopped()) return guard_error("was stopped by a signal before it was ready", kResume);
     return no_word();
   }
   word.problem.back() = '\0';
@@ -241,8 +249,11 @@ MotorGuard::~MotorGuard() {
   if (socket_ >= 0) ::close(socket_);  // the guard ends; if it is armed, it first writes zeros
   if (process_ > 0 && pidfd_ < 0) ::kill(process_, SIGKILL);
   if (reaper_.joinable()) {
-    pollfd end{pidfd_, POLLIN, 0};
-    if (poll(&end, 1, kEndMs) == 0) syscall(SYS_pidfd_send_signal, pidfd_, SIGKILL, nullptr, 0);
+    // An armed guard may still have zeros to write, late on a busy machine.
+    const bool is_armed = shared_->is_armed.load(std::memory_order_relaxed) != 0;
+    const auto is_hopeless = [&] { return is_armed ? is_stopped() : cannot_run(); };
+    if (!wait_for_input(pidfd_, kEndMs, is_hopeless))
+      syscall(SYS_pidfd_send_signal, pidfd_, SIGKILL, nullptr, 0);
     reaper_.join();
   }
   if (shared_ != nullptr) munmap(shared_, sizeof(GuardMemory));
@@ -262,14 +273,35 @@ void MotorGuard::wait_for_end() noexcept {
 // Tells the guard that `is_armed` has changed, and waits until it has read it.
 std::optional<Error> MotorGuard::ring() {
   char bell = kGuardBell;
-  if (send(socket_, &bell, 1, MSG_NOSIGNAL) == 1 && receive_message(socket_, &bell, 1)) {
-    return std::nullopt;
-  }
+  if (send(socket_, &bell, 1, MSG_NOSIGNAL) == 1 && receive(&bell, 1)) return std::nullopt;
+  // A closed socket is seen before the end of the process.
+  const bool is_frozen = is_stopped() || state(monotonic_ns()) == GuardState::kFrozen;
+  if (is_frozen) return guard_error("is frozen: it does not run, and stops no motors", kResume);
   return guard_error("has ended or does not answer", "nobody stops the motors; start it again");
 }
 
-std::optional<Error> MotorGuard::arm() {
+// Receives one message of exactly `size` bytes.
+bool MotorGuard::receive(void* content, std::size_t size) const {
+  return wait_for_input(socket_, kAnswerMs, [this] { return cannot_run(); }) &&
+         recv(socket_, content, size, MSG_DONTWAIT) == static_cast<ssize_t>(size);
+}
+
+// Whether a signal has stopped the process.
+bool MotorGuard::is_stopped() const noexcept {
+  siginfo_t change = {};
+  return waitid(P_PIDFD, static_cast<id_t>(pidfd_), &change, WSTOPPED | WNOHANG | WNOWAIT) == 0 &&
+         change.si_pid != 0;
+}
+
+// Whether it makes no sense to wait for the guard. Before its first word, it has no heartbeat.
+bool MotorGuard::cannot_run() const noexcept {
+  return is_stopped() || state(monotonic_ns()) == GuardState::kFrozen;
+}
+
+std::optional<Error> MotorGuard::arm(std::int64_t boot_ahead_ns) {
   shared_->driver_thread.store(0, std::memory_order_release);
+  shared_->was_suspended.store(0, std::memory_order_release);
+  shared_->boot_ahead_ns.store(boot_ahead_ns, std::memory_order_release);
   shared_->is_armed.store(1, std::memory_order_release);
   if (auto problem = ring()) {
     shared_->is_armed.store(0, std::memory_order_release);
@@ -299,6 +331,7 @@ std::uint64_t MotorGuard::trip_epoch() const noexcept {
 }
 
 void MotorGuard::acknowledge(std::uint64_t epoch) noexcept {
+  shared_->was_suspended.store(0, std::memory_order_release);
   shared_->acknowledged_epoch.store(epoch, std::memory_order_release);
 }
 
@@ -307,10 +340,15 @@ bool MotorGuard::is_quiet() const noexcept {
          shared_->trip_epoch.load(std::memory_order_acquire);
 }
 
-bool MotorGuard::is_alive(std::int64_t now_ns) const noexcept {
-  if (has_ended_.load(std::memory_order_acquire)) return false;
-  if (shared_->is_guard_alive.load(std::memory_order_acquire) == 0) return false;
-  return now_ns - shared_->guard_ns.load(std::memory_order_acquire) < kFrozenNs;
+bool MotorGuard::was_suspended() const noexcept {
+  return shared_->was_suspended.load(std::memory_order_acquire) != 0;
+}
+
+GuardState MotorGuard::state(std::int64_t now_ns) const noexcept {
+  if (has_ended_.load(std::memory_order_acquire)) return GuardState::kEnded;
+  if (shared_->is_guard_alive.load(std::memory_order_acquire) == 0) return GuardState::kEnded;
+  const std::int64_t asleep_ns = now_ns - shared_->guard_ns.load(std::memory_order_acquire);
+  return asleep_ns < kFrozenNs ? GuardState::kAlive : GuardState::kFrozen;
 }
 
 }  // namespace palpate

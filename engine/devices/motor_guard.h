@@ -30,12 +30,14 @@ std::int64_t stale_heartbeat_ns(double period_s) noexcept;
 
 // The guard process. While armed, it stops the motors if the engine or the thread of the last
 // beat() ends in any way, or if the last beat() or its tick is older than stale_heartbeat_ns(). A
-// stale heartbeat is a trip: the guard writes zeros until the driver has seen the new trip_epoch().
+// stale heartbeat is a trip: the guard writes zeros until the driver has seen the new trip_epoch();
+// so is a suspended machine, which was_suspended() tells.
 // When is_quiet() is true again, the driver sets up the device and calls acknowledge().
 //
 // Thread-safety: one thread, the owner, calls spawn(), arm(), disarm() and the destructor, which
-// block. The functions of WriteGuard are for the driver's thread; they are wait-free and need no
-// system call, except for the first beat() of a thread.
+// block; a guard that is frozen keeps none of them waiting for more than half a second. The
+// functions of WriteGuard are for the driver's thread; they are wait-free and need no system call,
+// except for the first beat() of a thread.
 class MotorGuard final : public WriteGuard {
  public:
   // Starts the guard and waits for its first word. The program `palpate-guard` must lie in the
@@ -48,7 +50,8 @@ class MotorGuard final : public WriteGuard {
 
   // After success the guard watches the heartbeat; no force may be written before. The driver calls
   // beat() from then on.
-  std::optional<Error> arm();
+  // boot_ahead_ns: see guard_memory.h.
+  std::optional<Error> arm(std::int64_t boot_ahead_ns = most_boot_ahead_ns());
   // Before this call, the driver has written zero force and has stopped writing.
   std::optional<Error> disarm();
 
@@ -58,7 +61,9 @@ class MotorGuard final : public WriteGuard {
   // driver has seen the epoch.
   std::uint64_t trip_epoch() const noexcept override;
   void acknowledge(std::uint64_t epoch) noexcept override;
-  bool is_alive(std::int64_t now_ns) const noexcept override;
+  bool was_suspended() const noexcept override;
+  GuardState state(std::int64_t now_ns) const noexcept override;
+  using WriteGuard::is_alive;
   bool is_alive() const noexcept { return is_alive(monotonic_ns()); }
   bool is_quiet() const noexcept override;
 
@@ -74,6 +79,9 @@ class MotorGuard final : public WriteGuard {
   std::optional<Error> start_process(const std::string& program, int socket);
   std::optional<Error> receive_word();
   std::optional<Error> ring();
+  bool receive(void* content, std::size_t size) const;
+  bool is_stopped() const noexcept;
+  bool cannot_run() const noexcept;
   void wait_for_end() noexcept;
 
   GuardMemory* shared_ = nullptr;

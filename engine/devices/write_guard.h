@@ -6,6 +6,12 @@
 
 namespace palpate {
 
+enum class GuardState : std::uint8_t {
+  kAlive,
+  kEnded,  // the process is gone
+  kFrozen  // the process exists and does not run: stopped by a signal, or never scheduled
+};
+
 // The guard stops the motors when the driver's thread stops writing (motor_guard.h). No function
 // blocks, allocates or throws.
 class WriteGuard {
@@ -23,8 +29,12 @@ class WriteGuard {
   // After the driver has compared trip_epoch() with the epoch it knew, it writes zero force and
   // waits until this is true; then it sets up the device and acknowledges.
   virtual bool is_quiet() const noexcept { return true; }
-  // False: nobody stops the motors any more. now_ns: as in beat().
-  virtual bool is_alive(std::int64_t now_ns) const noexcept = 0;
+  // Whether the last trip was because the machine was suspended. False after acknowledge().
+  virtual bool was_suspended() const noexcept { return false; }
+  // now_ns: as in beat().
+  virtual GuardState state(std::int64_t now_ns) const noexcept = 0;
+  // False: nobody stops the motors any more.
+  bool is_alive(std::int64_t now_ns) const noexcept { return state(now_ns) == GuardState::kAlive; }
 };
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 //   idle    the engine arms: watch                              nothing
 //   watch   the heartbeat is stale: zero, with a new epoch      nothing
 //           the driver's thread has ended: the same
+//           the machine was suspended: the same
 //   zero    the driver has seen the epoch: one more zero, quiet zeros at 200 Hz
 //   quiet   the driver acknowledges the epoch: watch            nothing: the driver sets up
 //           the heartbeat is stale: zero                        the device
@@ -166,10 +167,23 @@ class Guard {
                                           memory_.tick_ns.load(std::memory_order_acquire));
     const std::int64_t stale_ns = std::max(since_ns_, beat_ns) + orders_.order.stale_ns;
     const std::int64_t suspect_ns = stale_ns - orders_.order.stale_ns / 5 * 4;
-    if (now_ns < suspect_ns) return std::min(suspect_ns, now_ns + kGuardWakeNs);
-    if (now_ns < stale_ns && !has_driver_ended()) return std::min(stale_ns, now_ns + kSuspectNs);
+    const bool was_suspended = has_been_suspended();
+    if (!was_suspended && now_ns < suspect_ns) return std::min(suspect_ns, now_ns + kGuardWakeNs);
+    if (!was_suspended && now_ns < stale_ns && !has_driver_ended()) {
+      return std::min(stale_ns, now_ns + kSuspectNs);
+    }
+    memory_.was_suspended.store(was_suspended ? 1 : 0, std::memory_order_release);
     memory_.trip_epoch.fetch_add(1, std::memory_order_acq_rel);
     return begin_zeros(now_ns);
+  }
+
+  // Once for each time that the machine was suspended. Its clock stood still meanwhile, so no
+  // heartbeat is old; but the device has kept its force, or has lost its power and its set-up.
+  bool has_been_suspended() {
+    const std::int64_t ahead_ns = least_boot_ahead_ns();
+    if (ahead_ns <= memory_.boot_ahead_ns.load(std::memory_order_acquire)) return false;
+    memory_.boot_ahead_ns.store(most_boot_ahead_ns(), std::memory_order_release);
+    return true;
   }
 
   bool has_driver_ended() const {

@@ -396,6 +396,64 @@ TEST_F(MotorGuardClient, AnEndedGuardIsNotAliveAndCannotBeArmed) {
       "palpate-guard: has ended or does not answer (nobody stops the motors; start it again)");
 }
 
+// The waits for an answer and for the end would last 7 s together.
+TEST_F(MotorGuardClient, AFrozenGuardIsToldAsSuchAndHoldsUpNothing) {
+  spawn();
+  ASSERT_EQ(guard->arm(), std::nullopt);
+  const pid_t process = guard->process();
+  ::kill(process, SIGSTOP);
+  const std::int64_t frozen_ns = monotonic_ns();
+  EXPECT_TRUE(wait_for([&] { return guard->state(monotonic_ns()) == GuardState::kFrozen; }));
+  EXPECT_FALSE(guard->is_alive());
+  const auto problem = guard->disarm();
+  ASSERT_NE(problem, std::nullopt);
+  EXPECT_EQ(problem->to_string(),
+            "palpate-guard: is frozen: it does not run, and stops no motors (let it run again, by "
+            "`kill -CONT` or by the debugger that holds it, or start again)");
+  guard.reset();
+  EXPECT_NE(::kill(process, 0), 0);  // ended, and waited for
+  EXPECT_LT(monotonic_ns() - frozen_ns, 5 * kSecond_ns);
+}
+
+TEST_F(MotorGuardClient, AFrozenGuardCannotBeArmed) {
+  spawn();
+  ::kill(guard->process(), SIGSTOP);
+  const auto problem = guard->arm();
+  ASSERT_NE(problem, std::nullopt);
+  EXPECT_NE(problem->to_string().find("is frozen"), std::string::npos) << problem->to_string();
+  ::kill(guard->process(), SIGCONT);
+}
+
+// The guard compares two clocks of the machine with how they were when it was armed. An older
+// difference looks as if the machine had been suspended since.
+TEST_F(MotorGuardClient, TripsOnceWhenTheMachineWasSuspended) {
+  spec.period_s = 1.0;  // the heartbeat is stale after ten seconds
+  spawn();
+  beat();
+  ASSERT_EQ(guard->arm(most_boot_ahead_ns() - kSecond_ns), std::nullopt);
+  ASSERT_TRUE(wait_for([&] { return guard->trip_epoch() == 1; }));
+  EXPECT_TRUE(guard->was_suspended());
+  ASSERT_TRUE(wait_for([&] {
+    beat();
+    return guard->is_quiet();
+  }));
+  EXPECT_GE(written().size(), spec.zero_bytes.size());
+  guard->acknowledge(1);
+  EXPECT_FALSE(guard->was_suspended());
+  for (int i = 0; i < 30; ++i) {
+    beat();
+    sleep_ms(10);
+  }
+  EXPECT_EQ(guard->trip_epoch(), 1u);
+}
+
+TEST_F(MotorGuardClient, TellsAStaleHeartbeatFromASuspendedMachine) {
+  spawn();
+  ASSERT_EQ(guard->arm(), std::nullopt);
+  ASSERT_TRUE(wait_for([&] { return guard->trip_epoch() == 1; }));
+  EXPECT_FALSE(guard->was_suspended());
+}
+
 TEST_F(MotorGuardClient, WritesWholeZerosThoughTheirPortTakesThemInPieces) {
   spec.zero_bytes.resize(4093);
   for (std::size_t i = 0; i < spec.zero_bytes.size(); ++i) {
@@ -529,6 +587,15 @@ TEST_F(MotorGuardProgram, IsRefusedIfItIsAnotherProgram) {
   EXPECT_EQ(output_of("PALPATE_GUARD=/bin/true " + command),
             "palpate-guard: ended, or said nothing for 5 s, before it was ready (its message, if "
             "any, is above)\n2\n");
+}
+
+TEST_F(MotorGuardProgram, IsToldAsStoppedIfItStopsBeforeItsFirstWord) {
+  const std::string stops = (folder / "stops").string();
+  std::ofstream(stops) << "#!/bin/sh\nkill -STOP $$\n";
+  std::filesystem::permissions(stops, std::filesystem::perms::owner_all);
+  EXPECT_EQ(output_of("PALPATE_GUARD=" + stops + " " + command),
+            "palpate-guard: was stopped by a signal before it was ready (let it run again, by "
+            "`kill -CONT` or by the debugger that holds it, or start again)\n2\n");
 }
 
 TEST_F(MotorGuardProgram, RefusesToRunWithoutAnEngine) {
