@@ -11,7 +11,7 @@
 #include "engine/accuracy/percent.h"
 #include "engine/accuracy/recommendation.h"
 #include "engine/devices/light_device.h"
-#include "engine/devices/stability_limits.h"
+#include "engine/devices/stiffness_zones.h"
 #include "engine/report/human_units.h"
 #include "engine/report/shell_word.h"
 #include "geometry/base/printable.h"
@@ -124,16 +124,18 @@ struct ChosenCoupling {
   double damping_Ns_per_m = 0.0;
   StabilityLimits limits;
   bool is_passive = false;
+  bool has_delay = false;
 };
 
 // The stiffness wanted, or the largest below it that this damping allows.
 Result<ChosenCoupling> coupling_with(const AdviceInput& input, double rate_Hz,
                                      double damping_Ns_per_m) {
-  const auto limits =
-      stability_limits(DeviceMechanics::of(input.device), damping_Ns_per_m, {1.0 / rate_Hz, 0});
+  const auto limits = stability_limits(wall_mechanics(input.device), damping_Ns_per_m,
+                                       {1.0 / rate_Hz, wall_delay_s(input.device)});
   if (!limits) return limits.error();
   const double factor = relief_factor(input);
-  ChosenCoupling found{input.coupling.stiffness_N_per_m, damping_Ns_per_m, *limits, false};
+  ChosenCoupling found{input.coupling.stiffness_N_per_m, damping_Ns_per_m, *limits, false,
+                       wall_delay_s(input.device) > 0.0};
   // Passive walls are stable.
   found.is_passive = limits->allows_passive_walls();
   const double effective_N_per_m = factor * found.stiffness_N_per_m;
@@ -176,7 +178,10 @@ std::string bound_sentence(const ChosenCoupling& c) {
     case PassivityBound::kSampling:
       break;
   }
-  return "Sampling limits passive walls to " + passive + " (b > K T / 2 + |B|)" + stable;
+  return (c.has_delay ? "Sampling and delay limit passive walls to " + passive +
+                            " (b > K (T / 2 + D) + |B|)"
+                      : "Sampling limits passive walls to " + passive + " (b > K T / 2 + |B|)") +
+         stable;
 }
 
 // The surfaces of the scene that have a coupling of their own which is not passive at this rate.
@@ -187,8 +192,9 @@ std::string stiff_surfaces(const AdviceInput& input, double rate_Hz) {
   std::size_t count = 0;
   for (const CouplingVerdict& v : input.scene->verdicts) {
     if (v.surface.coupling.stiffness_N_per_m == input.coupling.stiffness_N_per_m) continue;
-    const auto limits = stability_limits(DeviceMechanics::of(input.device),
-                                         v.surface.coupling.damping_Ns_per_m, {1.0 / rate_Hz, 0});
+    const auto limits =
+        stability_limits(wall_mechanics(input.device), v.surface.coupling.damping_Ns_per_m,
+                         {1.0 / rate_Hz, wall_delay_s(input.device)});
     if (!limits || limits->is_passive(v.effective_N_per_m)) continue;
     if (++count > kMostNamed) continue;
     names += (names.empty() ? "" : ", ") + printable(v.surface.name) + " (" +

@@ -91,8 +91,9 @@ class Swing {
 std::string unstable_text(const PressedContact& contact, double period_s) {
   const Result<StabilityLimits> limits = stability_limits(
       {contact.mass_kg, contact.damping_Ns_per_m}, contact.coupling.damping_Ns_per_m, {period_s});
-  char text[96];
-  std::snprintf(text, sizeof text, "unstable: %.0f N/m; the limit at this rate is %.0f N/m",
+  char text[128];
+  std::snprintf(text, sizeof text,
+                "unstable: %.0f N/m; the limit at this rate, without delay, is %.0f N/m",
                 contact.coupling.stiffness_N_per_m, limits ? limits->stable_N_per_m : 0.0);
   return text;
 }

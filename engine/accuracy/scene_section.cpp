@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/accuracy/percent.h"
+#include "engine/devices/stiffness_zones.h"
 #include "engine/report/csv.h"
 #include "engine/report/html.h"
 #include "engine/report/html_table.h"
@@ -154,7 +155,8 @@ std::string stiffness_html(const SceneFindings& f) {
                name_of(v.limits.passivity_bound), html_escaped(stability_texts(v).limit),
                shown(c.stiffness_N_per_m, "N/m"), shown(c.damping_Ns_per_m, "N s/m")});
   }
-  html << "<p>At " << shown(f.rate_Hz, "Hz") << ":</p>\n" << table.html();
+  html << "<p>At " << shown(f.rate_Hz, "Hz") << ", " << delay_text(f.device) << ":</p>\n"
+       << table.html();
   HtmlTable rates({"servo rate", "passive up to", "stable below"});
   for (const LimitsAtRate& at : f.by_rate) {
     rates.row({shown(at.rate_Hz, "Hz"), shown(at.limits.passive_N_per_m, "N/m"),
@@ -182,11 +184,17 @@ class Lines {
 
 }  // namespace
 
+std::string delay_text(const DeviceDescription& d) {
+  const double delay_s = wall_delay_s(d);
+  return delay_s > 0.0 ? "delay at most " + human(delay_s, "s") : std::string("without delay");
+}
+
 std::string mechanics_text(const DeviceDescription& d) {
   std::ostringstream text;
   text << "mass " << human(d.mass_kg, "kg") << ", damping " << human(d.damping_Ns_per_m, "N s/m")
        << ", Coulomb friction " << human(d.coulomb_friction_N, "N") << ", encoder quantum "
        << (d.encoder_quantum_m > 0.0 ? human(d.encoder_quantum_m, "m") : "none");
+  if (wall_delay_s(d) > 0.0) text << ", " << delay_text(d);
   return text.str();
 }
 

@@ -31,6 +31,9 @@ struct SceneFindings {
 // "mass 0.1 kg, damping 0.5 N s/m, ..."
 std::string mechanics_text(const DeviceDescription& device);
 
+// "delay at most 3.1 ms" or "without delay": the delay of the limits, wall_delay_s().
+std::string delay_text(const DeviceDescription& device);
+
 ReportSection scene_section(const SceneFindings& findings);
 
 // A table of the presets, the trials and the limits as CSV. Each line has the fields

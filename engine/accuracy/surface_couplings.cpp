@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 
+#include "engine/devices/stiffness_zones.h"
 #include "engine/scene/material_effects.h"
 #include "haptics/effects/damping.h"
 #include "haptics/effects/effect_program.h"
@@ -131,7 +132,7 @@ Result<std::vector<CouplingVerdict>> judge_couplings(const std::vector<SurfaceCo
   std::vector<CouplingVerdict> verdicts;
   for (const SurfaceCoupling& surface : couplings) {
     const auto limits =
-        stability_limits(DeviceMechanics::of(device), surface.coupling.damping_Ns_per_m, timing);
+        stability_limits(wall_mechanics(device), surface.coupling.damping_Ns_per_m, timing);
     if (!limits) return limits.error();
     const double stiffness = surface.effective_stiffness_N_per_m(depth_m);
     verdicts.push_back(

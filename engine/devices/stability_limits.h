@@ -5,7 +5,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
+#include "engine/devices/sampled_loop.h"
 #include "geometry/base/result.h"
 #include "haptics/effects/virtual_coupling.h"
 #include "palpate/device.h"
@@ -34,13 +36,17 @@ struct DeviceMechanics {
   }
 };
 
-// The timing of a servo. The position read at the beginning of a period determines a force. This
-// force begins to act delay_ticks periods later and is held for one period.
+// The timing of a servo. The position at a sample determines a force. This force begins to act
+// after the delay and is held for one period. The delay need not be a whole number of periods.
 struct ServoTiming {
-  double period_s = 1e-3;  // > 0
-  int delay_ticks = 0;     // whole periods before the force acts, 0 to kMostDelayTicks
+  double period_s = 1e-3;  // > 0, from sample to sample
+  double delay_s = 0.0;    // from a sample to its force; 0 to kMostDelayTicks periods
+  // The damper acts on the change of the position over this number of ticks, divided by their time;
+  // 1 to kMostVelocityTicks.
+  int velocity_ticks = 1;
 
-  static constexpr int kMostDelayTicks = 64;
+  static constexpr int kMostDelayTicks = 256;  // 8 ms at 32 kHz
+  static constexpr int kMostVelocityTicks = 64;
 };
 
 // The cause of the limit on the stiffness of a passive wall.
@@ -58,13 +64,12 @@ const char* name_of(PassivityBound bound);
 // released or held by the given hand, comes to rest against it. Passivity is the stronger property.
 // At a stiffness that feels hard, most devices are stable but not passive.
 //
-// Symbols: K stiffness and B damping of the wall, b damping of the device, T period, d delay in
-// periods.
+// Symbols: K stiffness and B damping of the wall, b damping of the device, T period, D delay.
 struct StabilityLimits {
-  // The limit due to sampling: 2 (b - B) / ((1 + 2 d) T), or 0 if this is negative. For d = 0 it
-  // follows from the criterion b > K T / 2 + |B| (Colgate & Schenkel 1997). For d > 0 their general
-  // criterion has two terms that depend on the frequency, and each is replaced by its maximum.
-  // Therefore the limit is then sufficient for passivity, but not necessary.
+  // The limit due to sampling: (b - B) / held_time_s(), or 0 if this is negative. Without a delay
+  // it follows from the criterion b > K T / 2 + |B| (Colgate & Schenkel 1997). With B = 0 it is
+  // exact for any delay. With both a damper and a delay, each of the two is replaced by its worst
+  // case; then the limit is sufficient for passivity, but not necessary.
   double passive_sampling_N_per_m = 0.0;
   // The limit due to the encoder: 2 f_c / D for steps of D and a Coulomb friction of f_c (Abbott &
   // Okamura 2005). The formula holds for B = 0; it does not include the force of a damper whose
@@ -77,15 +82,15 @@ struct StabilityLimits {
   PassivityBound passivity_bound = PassivityBound::kSampling;
 
   // The stiffness below which the sampled loop (device and hand, coupling, held force) has a
-  // spectral radius < 1, found by bisection. The model leaves out friction and rounding, which
+  // spectral radius < 1 (sampled_loop.h). The model leaves out friction and rounding, which
   // affect only the smallest motions. 0: no wall with this B is stable.
   double stable_N_per_m = 0.0;
-  // An approximation of stable_N_per_m to first order in T: (b + B) / (T / 2 + d T). Here b
+  // An approximation of stable_N_per_m to first order in T and D: (b + B) / (T / 2 + D). Here b
   // includes the damping of the hand.
   double stable_first_order_N_per_m = 0.0;
 
   // A wall at exactly the limit is still passive. Consider a tick in which the device moves by dx,
-  // with B = 0 and d = 0: the wall generates at most K |dx|^2 / 2, and the device dissipates at
+  // with B = 0 and D = 0: the wall generates at most K |dx|^2 / 2, and the device dissipates at
   // least as much, namely b |dx|^2 / T. Rounding does not turn a wall at the limit into one beyond
   // it. This comparison decides wherever a wall is called passive.
   bool is_passive(double stiffness_N_per_m) const {
@@ -97,9 +102,15 @@ struct StabilityLimits {
   bool is_stable(double stiffness_N_per_m) const { return stiffness_N_per_m < stable_N_per_m; }
 };
 
-// Computes the limits of a wall with this damping. The damping acts on the velocity that
-// VirtualCoupling uses by default: the position's change over the last tick, divided by T. An Error
-// names the number that is out of range. Not for the haptic thread. Thread-safe.
+// The time by which the held force of a passive wall is late in the worst motion: T / 2 + D for a
+// delay of whole periods. In general it is (h + sqrt(h^2 + p (1 - p))) T / 2 with h = 1 / 2 + D / T
+// and p the part of D / T that is not whole; up to 7 % more. Reason: a slow motion that alternates
+// between two speeds, one in the part p of each period after a sample and one in the rest,
+// generates the most energy for what the device dissipates.
+double held_time_s(const ServoTiming& timing);
+
+// Computes the limits of a wall with this damping. An Error names the number that is out of range.
+// Not for the haptic thread. Thread-safe.
 Result<StabilityLimits> stability_limits(const DeviceMechanics& device,
                                          double coupling_damping_Ns_per_m,
                                          const ServoTiming& timing);
@@ -109,5 +120,10 @@ Result<StabilityLimits> stability_limits(const DeviceMechanics& device,
 // Every number must be in its range. Not for the haptic thread. Thread-safe.
 double spectral_radius(const DeviceMechanics& device, const CouplingSettings& coupling,
                        const ServoTiming& timing);
+
+// stable_N_per_m for a wall with more dampers than that of the coupling. Every number must be in
+// the range that stability_limits() checks. Not for the haptic thread. Thread-safe.
+double stable_stiffness_N_per_m(const DeviceMechanics& device, std::span<const LoopDamper> dampers,
+                                const ServoTiming& timing);
 
 }  // namespace palpate

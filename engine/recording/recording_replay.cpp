@@ -234,7 +234,10 @@ class Replayer {
     auto rig = Rig::create(
         scene.world(),
         RunSetup{setup.actuation, setup.haptics, setup.dt_s, {}, recorded.max_force_N}, device_,
-        {.changes = {&changes_}, .sink = &computed_, .takes_motors = recorded.takes_motors});
+        {.changes = {&changes_},
+         .sink = &computed_,
+         .takes_motors = recorded.takes_motors,
+         .governor = recorded.governor});
     if (!rig) return rig.error();
     rig_ = std::move(*rig);
     rig_->session().start();
@@ -365,9 +368,11 @@ std::optional<Error> check_session(const RecordedSession& session, int version,
                      "; expected those of version " + std::to_string(version),
                  ""};
   }
-  if (!is_delay(session.device.delay_s)) {
+  if (const DelayInterval& delay = session.device.delay; !is_delay(delay)) {
     return Error{ErrorCode::kInvalidContent, "", "device.delay_s",
-                 "is " + std::to_string(session.device.delay_s) + "; expected 0 to 1 s", ""};
+                 "is " + std::to_string(delay.least_s) + " to " + std::to_string(delay.most_s) +
+                     "; expected an interval within 0 to 1 s",
+                 ""};
   }
   if (auto error = check_settings(scene.world(), session.setup.haptics)) return error;
   const int motors = session.device.motor_count;

@@ -220,6 +220,17 @@ void read_choice(MetaReader& reader, SceneSettings& scene) {
   if (reader.has(kListedSceneKey)) reader(kListedSceneKey, scene.listed_scene);
 }
 
+// Recordings of before, and of sessions without the option, do not have the key.
+constexpr const char* kUnstableKey = "allow_unstable";
+
+void write_unstable(const RecordedSetup& setup, MetaWriter& writer) {
+  if (!setup.allow_unstable.empty()) writer(kUnstableKey, setup.allow_unstable);
+}
+
+void read_unstable(MetaReader& reader, RecordedSetup& setup) {
+  if (reader.has(kUnstableKey)) reader(kUnstableKey, setup.allow_unstable);
+}
+
 template <class Place>
 constexpr bool is_number =
     std::is_same_v<Place, SettingPlace<bool>> || std::is_same_v<Place, SettingPlace<double>> ||
@@ -464,6 +475,7 @@ Result<RecordingMeta> meta_of(const Scene& scene, const RecordedSetup& setup,
   meta["scene.overrides"] = overrides_json(setup.scene.overrides);
   write_joins(copy.scene, writer);
   write_choice(copy.scene, writer);
+  write_unstable(copy, writer);
   write_actuation(setup.actuation, writer);
   writer("files", files->size());
   for (std::size_t i = 0; i < files->size(); ++i) {
@@ -480,8 +492,12 @@ RecordingMeta meta_of(const SessionFacts& facts) {
   MetaWriter writer(meta);
   DeviceDescription device = facts.device;
   visit_device(device, writer);
-  if (device.delay_s != 0.0) writer("device.delay_s", device.delay_s);
+  if (device.delay.is_known()) {
+    writer("device.delay_s", device.delay.least_s);
+    writer("device.most_delay_s", device.delay.most_s);
+  }
   writer("session.takes_motors", facts.takes_motors);
+  if (device.moves_motors && facts.governor.watches_energy) writer("session.energy_rules", true);
   if (facts.max_force_N) writer("session.max_force_N", *facts.max_force_N);
   return meta;
 }
@@ -505,14 +521,25 @@ Result<RecordedSession> session_of(const RecordingMeta& meta, RunSettingTable ta
   session.setup.scene.overrides = overrides_of("scene.overrides", overrides, reader);
   read_joins(reader, session.setup.scene);
   read_choice(reader, session.setup.scene);
+  read_unstable(reader, session.setup);
   read_actuation(reader, session.setup.actuation);
   read_files(reader, session.files);
   if (!reader.has("device.name")) {
     reader.fail("device.name", "is missing; the session had not begun when it ended");
   }
   visit_device(session.device, reader);
-  if (reader.has("device.delay_s")) reader("device.delay_s", session.device.delay_s);
+  if (reader.has("device.delay_s")) reader("device.delay_s", session.device.delay.least_s);
+  // Recordings of before state one delay.
+  session.device.delay.most_s = session.device.delay.least_s;
+  if (reader.has("device.most_delay_s")) {
+    reader("device.most_delay_s", session.device.delay.most_s);
+  }
   reader("session.takes_motors", session.takes_motors);
+  // Recordings of before are of a governor without these rules.
+  session.governor.watches_energy = false;
+  if (reader.has("session.energy_rules")) {
+    reader("session.energy_rules", session.governor.watches_energy);
+  }
   if (reader.has("session.max_force_N")) {
     double most_N = 0.0;
     reader("session.max_force_N", most_N);

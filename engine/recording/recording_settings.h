@@ -31,6 +31,8 @@ struct RecordedSetup {
   HapticSettings haptics;
   double dt_s = 1e-3;
   bool virtual_time = false;
+  // Why the person allowed a stiffness that is not stable on the device; empty: nobody did.
+  std::string allow_unstable = {};
 };
 
 // All that a recording states about its session.
@@ -44,6 +46,7 @@ struct RecordedSession {
   DeviceDescription device;
   std::optional<double> max_force_N;
   bool takes_motors = true;
+  GovernorSettings governor;
 };
 
 // The version of this engine, as recordings state it.

@@ -1,5 +1,9 @@
 #include "engine/session/reached_timing.h"
 
+#include <algorithm>
+
+#include "engine/devices/stiffness_zones.h"
+
 namespace palpate {
 
 Result<ReachedTiming> reached_timing(const RunSetup& setup, const TickTimes& times) {
@@ -7,10 +11,11 @@ Result<ReachedTiming> reached_timing(const RunSetup& setup, const TickTimes& tim
   ReachedTiming timing;
   timing.period_ns = times.period.percentile_ns(kShare);
   timing.delay_ns = times.delay.percentile_ns(kShare);
-  const double longer_s = 1e-9 * static_cast<double>(timing.period_ns + 2 * timing.delay_ns);
+  timing.to_force_s =
+      std::max(wall_delay_s(setup.device), 1e-9 * static_cast<double>(timing.delay_ns));
   const auto limits =
-      stability_limits(DeviceMechanics::of(setup.device), setup.haptics.coupling.damping_Ns_per_m,
-                       {.period_s = longer_s});
+      stability_limits(wall_mechanics(setup.device), setup.haptics.coupling.damping_Ns_per_m,
+                       {1e-9 * static_cast<double>(timing.period_ns), timing.to_force_s});
   if (!limits) return limits.error();
   timing.limits = *limits;
   return timing;

@@ -15,11 +15,14 @@ namespace palpate {
 struct ReachedTiming {
   std::int64_t period_ns = 0;  // from start to start
   std::int64_t delay_ns = 0;   // from reading the device to its command
-  StabilityLimits limits;      // of a wall with the damping of the setup; nobody holds the device
+  // From a sample to its force, with which the limits are computed: the device's longest
+  // (wall_delay_s() in stiffness_zones.h), or delay_ns if that is longer. The two are not added,
+  // because the delay of a device includes that of the host.
+  double to_force_s = 0.0;
+  StabilityLimits limits;  // of a wall with the damping of the setup; nobody holds the device
 };
 
-// times: of at least two ticks. A delay D acts like periods that are longer by 2 D: in the first
-// order of the period T, both limits depend on T / 2 + D (stability_limits.h). Returns the errors
+// times: of at least two ticks. The device has the numbers of wall_mechanics(). Returns the errors
 // of stability_limits(). Thread-safe.
 Result<ReachedTiming> reached_timing(const RunSetup& setup, const TickTimes& times);
 

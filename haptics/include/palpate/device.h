@@ -27,11 +27,22 @@ struct MotorDescription {
   double continuous_force_N = 0.0;  // > 0, at most peak_force_N; for an unlimited time
 };
 
-// The longest delay that a description may state (DeviceDescription::delay_s): that of one sample
-// at the lowest rate of a driver, 1 Hz. A larger number is in another unit.
+// The time from a sample to the moment at which the motors begin to exert the force that answers
+// it: the way of the sample to the host, the host, and the way of the command to the motors. It is
+// in [least_s, most_s]; 0, 0: unknown.
+struct DelayInterval {
+  double least_s = 0.0;
+  double most_s = 0.0;
+
+  constexpr bool is_known() const { return most_s > 0.0; }
+  constexpr bool operator==(const DelayInterval&) const = default;
+};
+
+// The longest delay that a description may state: that of one sample at the lowest rate of a
+// driver, 1 Hz. A larger number is in another unit.
 inline constexpr double kLongestDelay_s = 1.0;
-constexpr bool is_delay(double delay_s) {
-  return delay_s >= 0.0 && delay_s <= kLongestDelay_s;  // false for NaN
+constexpr bool is_delay(const DelayInterval& delay) {  // false for NaN
+  return delay.least_s >= 0.0 && delay.least_s <= delay.most_s && delay.most_s <= kLongestDelay_s;
 }
 
 // The properties of one device. Device frame, SI units. A number is 0 if it is unknown.
@@ -54,9 +65,7 @@ struct DeviceDescription {
   double coulomb_friction_N = 0.0;
   double encoder_quantum_m = 0.0;  // step to which positions are rounded; 0: not rounded
   double rate_Hz = 1000.0;         // the rate at which the host should read and command
-  // The maker's delay from the time of a sample to the time at which the motors exert the force
-  // that answers it, for a host that takes no time. Finite, 0 to kLongestDelay_s; 0: unknown.
-  double delay_s = 0.0;
+  DelayInterval delay = {};        // as is_delay() allows
   HostSilence when_host_is_silent = HostSilence::kUnknown;
 };
 

@@ -146,9 +146,10 @@ TEST(ServoPressed, DeviatesToFirstOrderAndListsUnstableRates) {
     const bool is_stable = limits.is_stable(contact.coupling.stiffness_N_per_m);
     EXPECT_EQ(is_stable, level.value < 4e-3) << level.label;
     EXPECT_EQ(level.failures, is_stable ? 0 : MeasurementEffort::kRepeats) << level.label;
-    EXPECT_EQ(level.failure, is_stable ? ""
-                                       : "unstable: 1000 N/m; the limit at this rate is "
-                                         "723 N/m");
+    EXPECT_EQ(level.failure, is_stable
+                                 ? ""
+                                 : "unstable: 1000 N/m; the limit at this rate, without delay, is "
+                                   "723 N/m");
   }
 }
 

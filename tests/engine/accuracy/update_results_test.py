@@ -305,6 +305,28 @@ def check_comparison(copy):
     expect(copy.run()[0] == 0, "the committed comparison is accepted")
 
 
+def check_budgets(copy):
+    path = copy.root / "benchmarks/results/compare/a4_passive.json"
+    committed = path.read_text()
+    result = json.loads(committed)
+    depths = {"mask": 9e-3, "a4": 4e-3, "a4-passive:5": 5e-3}
+    for row in result["means"]:
+        if row["measure"] == "penetration":
+            row["mean"] = depths.get(row["strategy"], 8e-3)
+    path.write_text(json.dumps(result))
+    expect_refused(copy, "--check reports other budgets", "differs")
+    expect(copy.run()[0] == 0, "other budgets are accepted")
+    text = copy.block("a4_passive")
+    for row in ("| `mask` | 9.00 mm | 0 % |", "| `a4-passive:5` | 5.00 mm | 80 % |",
+                "| `a4-passive:10` | 8.00 mm | 20 % |", "| `a4` | 4.00 mm | 100 % |"):
+        expect(row in text, f"the page has the gain of each budget: {row}")
+    result["means"] = [row for row in result["means"] if row["strategy"] != "a4"]
+    path.write_text(json.dumps(result))
+    expect_refused(copy, "a measurement without a4 is named", "a4_passive.json")
+    path.write_text(committed)
+    expect(copy.run()[0] == 0, "the committed budgets are accepted")
+
+
 def check_two_machines(copy):
     other = copy.path.with_name("other.json")
     document = json.loads(copy.committed)
@@ -347,6 +369,7 @@ def main():
         check_contours(copy)
         check_work(copy)
         check_comparison(copy)
+        check_budgets(copy)
         check_two_machines(copy)
     print("the documents follow their results")
     return 0

@@ -37,7 +37,8 @@ struct Case {
                                     random.uniform(0.0, 300.0)};
     }
     c.coupling_damping = random.uniform(0.0, 3.0);
-    c.timing = {random.uniform(0.1e-3, 2e-3), static_cast<int>(random.index(4))};
+    c.timing.period_s = random.uniform(0.1e-3, 2e-3);
+    c.timing.delay_s = static_cast<double>(random.index(4)) * c.timing.period_s;
     return c;
   }
   StabilityLimits limits() const {
@@ -45,36 +46,55 @@ struct Case {
   }
 };
 
-// The closed loop, one axis. MassDamper has no spring; with a hand the classical Runge-Kutta method
-// advances the plant in steps so short that its error is below rounding.
+// The closed loop, one axis: a list of forces with the times at which each begins to act.
+// MassDamper has no spring; with a hand the classical Runge-Kutta method advances the plant in
+// steps so short that its error is below rounding.
 class ClosedLoop {
  public:
   ClosedLoop(const Case& c, double stiffness_N_per_m)
       : case_(c),
         stiffness_N_per_m_(stiffness_N_per_m),
-        plant_(c.device.mass_kg, c.device.damping_Ns_per_m) {
+        plant_(c.device.mass_kg, c.device.damping_Ns_per_m),
+        before_m_(static_cast<std::size_t>(c.timing.velocity_ticks), 1e-6) {
     plant_.put({1e-6, 0.0, 0.0}, Vec3::Zero());
-    delayed_forces_N_.assign(static_cast<std::size_t>(c.timing.delay_ticks), 0.0);
   }
 
   double tick() {
     const double T = case_.timing.period_s;
-    delayed_forces_N_.push_back(-stiffness_N_per_m_ * at_m_ -
-                                case_.coupling_damping * (at_m_ - before_m_) / T);
-    before_m_ = at_m_;
-    const double force_N = delayed_forces_N_.front();
-    delayed_forces_N_.pop_front();
-    if (case_.device.hand) {
-      for (int i = 0; i < kCuts; ++i) runge_kutta(force_N, T / kCuts);
-    } else {
-      plant_.advance({force_N, 0.0, 0.0}, T);
-      at_m_ = plant_.position_m().x();
+    const double change_m = at_m_ - before_m_.front();
+    before_m_.pop_front();
+    before_m_.push_back(at_m_);
+    coming_.push_back({time_s_ + case_.timing.delay_s,
+                       -stiffness_N_per_m_ * at_m_ -
+                           case_.coupling_damping * change_m / (T * case_.timing.velocity_ticks)});
+    const double end_s = ++ticks_ * T;
+    while (!coming_.empty() && coming_.front().begin_s < end_s) {
+      advance_to(coming_.front().begin_s);
+      force_N_ = coming_.front().force_N;
+      coming_.pop_front();
     }
+    advance_to(end_s);
     return std::abs(at_m_);
   }
 
  private:
   static constexpr int kCuts = 8;
+
+  struct Coming {
+    double begin_s, force_N;
+  };
+
+  void advance_to(double time_s) {
+    const double dt_s = std::max(0.0, time_s - time_s_);
+    time_s_ = time_s;
+    if (dt_s == 0.0) return;
+    if (case_.device.hand) {
+      for (int i = 0; i < kCuts; ++i) runge_kutta(force_N_, dt_s / kCuts);
+    } else {
+      plant_.advance({force_N_, 0.0, 0.0}, dt_s);
+      at_m_ = plant_.position_m().x();
+    }
+  }
 
   void runge_kutta(double force_N, double dt_s) {
     const HandImpedance& hand = *case_.device.hand;
@@ -94,10 +114,13 @@ class ClosedLoop {
   const Case& case_;
   double stiffness_N_per_m_;
   MassDamper plant_;
+  double time_s_ = 0.0;
+  int ticks_ = 0;
   double at_m_ = 1e-6;
   double speed_ = 0.0;
-  double before_m_ = 1e-6;
-  std::deque<double> delayed_forces_N_;
+  double force_N_ = 0.0;
+  std::deque<double> before_m_;
+  std::deque<Coming> coming_;
 };
 
 // Factor of the amplitude from one window to the next. At 5 % from the limit a twentieth of the
@@ -178,9 +201,10 @@ TEST(StabilityLimits, ApproachTheFirstOrderAsThePeriodShrinks) {
   Random random(1603);
   for (int trial = 0; trial < 50; ++trial) {
     Case c = Case::draw(random, trial % 2 == 1);
+    const double delay_ticks = std::round(c.timing.delay_s / c.timing.period_s);
     double last_off = kInfinity;
     for (const double period_s : {4e-5, 2e-5, 1e-5, 5e-6}) {
-      c.timing.period_s = period_s;
+      c.timing = {period_s, delay_ticks * period_s};
       const StabilityLimits limits = c.limits();
       const double off = std::abs(limits.stable_N_per_m / limits.stable_first_order_N_per_m - 1.0);
       EXPECT_LT(off, 0.6 * last_off);
@@ -198,7 +222,7 @@ TEST(StabilityLimits, FallAsPeriodAndDelayGrow) {
     Case slower = c;
     slower.timing.period_s *= random.uniform(1.01, 2.0);
     Case later = c;
-    ++later.timing.delay_ticks;
+    later.timing.delay_s += c.timing.period_s;
     for (const StabilityLimits& after : {slower.limits(), later.limits()}) {
       EXPECT_LE(after.passive_N_per_m, before.passive_N_per_m);
       EXPECT_LT(after.stable_first_order_N_per_m, before.stable_first_order_N_per_m);
@@ -218,7 +242,7 @@ double required_damping(const Case& c, double stiffness_N_per_m) {
     const double angle = std::numbers::pi * i / 20000;
     const std::complex<double> back = std::polar(1.0, -angle);
     const std::complex<double> wall = (stiffness_N_per_m + c.coupling_damping / T * (1.0 - back)) *
-                                      std::polar(1.0, -angle * c.timing.delay_ticks);
+                                      std::polar(1.0, -angle * c.timing.delay_s / T);
     most = std::max(most, 0.5 * T / (1.0 - std::cos(angle)) * ((1.0 - back) * wall).real());
   }
   return most;
@@ -234,7 +258,7 @@ TEST(StabilityLimits, AgreeWithTheCriterionOfPassivity) {
     ASSERT_GT(limit, 0.0);
     EXPECT_LT(required_damping(c, 0.999 * limit), c.device.damping_Ns_per_m);
     // With both a damper and a delay the bound is sufficient, not necessary.
-    if (c.coupling_damping > 0.0 && c.timing.delay_ticks > 0) continue;
+    if (c.coupling_damping > 0.0 && c.timing.delay_s > 0.0) continue;
     EXPECT_GT(required_damping(c, 1.001 * limit), c.device.damping_Ns_per_m);
     ++checked;
   }
@@ -317,9 +341,9 @@ TEST(StabilityLimits, RefuseNumbersOutOfRange) {
   EXPECT_EQ(refused({0.1, 0.5, 0.0, 0.0, HandImpedance{-1.0}}, 0.0, {1e-3}), "mass of the hand");
   EXPECT_EQ(refused({0.1, 0.5}, -1.0, {1e-3}), "damping of the coupling");
   EXPECT_EQ(refused({0.1, 0.5}, 0.0, {0.0}), "period");
-  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, -1}), "delay");
-  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, 65}), "delay");
-  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, 64}), "");
+  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, -1e-9}), "delay");
+  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, 256.001e-3}), "delay");
+  EXPECT_EQ(refused({0.1, 0.5}, 0.0, {1e-3, 256e-3}), "");
 }
 
 // The search would not end: numbers overflow or lose all digits.

@@ -28,7 +28,7 @@ class DelayedDevice final : public VectorDevice {
     DeviceDescription device;
     device.name = "delayed";
     device.moves_motors = false;
-    device.delay_s = delay_s;
+    device.delay = {delay_s, delay_s};
     return device;
   }
 };
@@ -55,7 +55,7 @@ TEST(DeviceDelay, OutsideOfItsRangeIsRefusedAtTheStart) {
     const auto problem = rig.session.start();
     ASSERT_TRUE(problem) << delay_s;
     EXPECT_NE(problem->find("\"delayed\" states a delay of"), std::string::npos) << *problem;
-    EXPECT_NE(problem->find("expected 0 to 1 s"), std::string::npos) << *problem;
+    EXPECT_NE(problem->find("within 0 to 1 s"), std::string::npos) << *problem;
   }
 }
 
@@ -72,12 +72,12 @@ TEST(DeviceDelay, OfARecordingIsReadAndChecked) {
   auto meta = reader->meta();
   ASSERT_TRUE(meta);
   const test::Scenario scenario(1);
-  EXPECT_EQ(session_of(*meta)->device.delay_s, 0.0);
+  EXPECT_FALSE(session_of(*meta)->device.delay.is_known());
   for (const double delay_s : {4e-3, 1.5}) {
     (*meta)["device.delay_s"] = delay_s;
     const auto session = session_of(*meta);
     ASSERT_TRUE(session);
-    EXPECT_EQ(session->device.delay_s, delay_s);
+    EXPECT_EQ(session->device.delay, (DelayInterval{delay_s, delay_s}));
     const auto outcome = replay_recording(*reader, *session, scenario.scene());
     ASSERT_EQ(static_cast<bool>(outcome), delay_s <= kLongestDelay_s);
     if (!outcome) {
