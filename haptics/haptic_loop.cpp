@@ -145,10 +145,15 @@ bool HapticLoop::jumps(const Vec3& p_device_m) {
 // Runs before the hand's own motion: moving bodies push the proxy, within the plane of a planar
 // device.
 void HapticLoop::move_bodies() {
+  bodies_moved_ = !bodies_have_arrived_;
+  bodies_stretched_m2_ = 0.0;
   if (bodies_have_arrived_) return;
   std::size_t held = 0;
   if (has_proxy_) {
+    const Vec3 goal_m = goal_solver_m();  // of the last tick
+    const double before_m2 = (god_object_.proxy() - goal_m).squaredNorm();
     held = god_object_.move_bodies(body_motions_, motion_plane_normal());
+    bodies_stretched_m2_ = (god_object_.proxy() - goal_m).squaredNorm() - before_m2;
   } else {
     for (const BodyMotion& m : body_motions_) god_object_.place_body(m.body, m.T_solver_body);
   }
@@ -312,15 +317,17 @@ inline void HapticLoop::render_force(double dt_s) {
 inline Vec3 HapticLoop::contact_force_N(double dt_s) {
   const Vec3 lag = proxy_state_.proxy - goal_solver_m();
   const Vec3 rate = coupling_.lag_rate_m_per_s(lag, dt_s);
-  if (needs(kNeedsContact) && !response_.without_effects) {
+  if (has_effects_in_contact()) {
     // The damper acts on the whole lag of a proxy at rest. A sliding proxy yields along the
     // surface.
     const bool rests = proxy_state_.is_held && !proxy_state_.slid;
     const Vec3 damped = rests ? rate : proxy_state_.pressed_part(rate);
-    return rendered_force_N(response_, proxy_state_, lag, damped) +
-           effects_->contact_force_N(proxy_state_, response_, motion_);
+    coupling_force_N_ = rendered_force_N(response_, proxy_state_, lag, damped);
+    return coupling_force_N_ + effects_->contact_force_N(proxy_state_, response_, motion_);
   }
-  return coupling_.force_N(lag, proxy_state_.pressed_part(rate), view(record_.normal_scene));
+  coupling_force_N_ =
+      coupling_.force_N(lag, proxy_state_.pressed_part(rate), view(record_.normal_scene));
+  return coupling_force_N_;
 }
 
 inline void HapticLoop::command(const Vec3& force_N, double dt_s) {
@@ -416,7 +423,10 @@ StrategyTick HapticLoop::strategy_tick(double dt_s) const {
           .world = god_object_.world(),
           .R_device_scene = R_device_scene_,
           .proxy = proxy_state_,
+          .contact = god_object_.contact(),
           .goal_solver_m = goal_solver_m(),
+          .response = has_effects_in_contact() ? &response_ : nullptr,
+          .coupling_force_N = coupling_force_N_,
           .radius_m = god_object_.radius_m(),
           .dt_s = dt_s,
           .follows_good_tick = last_was_good_};

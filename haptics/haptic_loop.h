@@ -16,6 +16,7 @@
 #include "haptics/a4/theoretical_rotation.h"
 #include "haptics/effects/effect_runner.h"
 #include "haptics/effects/virtual_coupling.h"
+#include "haptics/force_sources.h"
 #include "haptics/proxy/contact_world.h"
 #include "haptics/proxy/god_object.h"
 #include "haptics/record_vectors.h"
@@ -162,6 +163,9 @@ class HapticLoop {
     if (effects_) effects_->set_parameters(call, parameters);
   }
 
+  // Of the last tick. Call on the haptic thread.
+  ForceSources force_sources() const noexcept;
+
   // Null in a world without effects.
   const EffectCounters* effect_counters() const {
     return effects_ ? &effects_->counters() : nullptr;
@@ -207,6 +211,8 @@ class HapticLoop {
   // The largest distance of a touched face from the proxy's centre.
   double touch_m() const { return god_object_.radius_m() + 4 * god_object_.scale().stand_off_m; }
   bool needs(EffectNeed need) const { return (tick_needs_ & need) != 0; }
+  // Effects render the contact. Without them the coupling alone does.
+  bool has_effects_in_contact() const { return needs(kNeedsContact) && !response_.without_effects; }
   EffectMotion motion(double dt_s) const;
   std::optional<Vec3> motion_plane_normal() const;
   Vec3 goal_solver_m() const { return world_->to_solver(view(record_.goal_scene_m)); }
@@ -244,6 +250,7 @@ class HapticLoop {
   std::uint32_t tick_needs_ = kNeedsNothing;
   std::unique_ptr<StrategyStep> strategy_;  // null without HapticSettings::strategy
   ContactResponse response_;                // of this tick
+  Vec3 coupling_force_N_ = Vec3::Zero();    // of the last tick in contact, solver axes
   EffectMotion motion_;                     // of this tick
   bool last_was_good_ = false;              // the last tick's goal was the hand's position
   double last_dt_s_ = 0.0;                  // of the last good tick
@@ -256,7 +263,9 @@ class HapticLoop {
   std::vector<BodyMotion> body_motions_;       // requested poses; reserved once
   std::vector<std::uint32_t> motion_of_body_;  // index into body_motions_, or kNoMotion
   bool bodies_have_arrived_ = true;            // at all requested poses
-  std::uint32_t next_faults_ = kFaultNone;     // of calls since the last tick
+  bool bodies_moved_ = false;                  // in this tick
+  double bodies_stretched_m2_ = 0.0;        // by how much they have changed the square of the lag
+  std::uint32_t next_faults_ = kFaultNone;  // of calls since the last tick
 };
 
 }  // namespace palpate

@@ -49,6 +49,30 @@ void HapticLoop::set_coupling(double stiffness_N_per_m, double damping_Ns_per_m)
   if (effects_) effects_->set_coupling(stiffness_N_per_m, damping_Ns_per_m);
 }
 
+ForceSources HapticLoop::force_sources() const noexcept {
+  ForceSources sources;
+  const bool acts =
+      tick_needs_ != kNeedsNothing && !is_hand_free_ && (record_.faults & kFaultsWithoutForce) == 0;
+  if (record_.contact != 0) {
+    const bool has_response = acts && needs(kNeedsContact) && !response_.without_effects;
+    sources.stiffness_N_per_m =
+        has_response ? response_.coupling.stiffness_N_per_m : settings_.coupling.stiffness_N_per_m;
+    sources.lag_m = (vec3(record_.proxy_scene_m) - vec3(record_.goal_scene_m)).norm();
+  }
+  if (bodies_moved_) {
+    sources.nodes_moved = true;
+    sources.nodes_J = 0.5 * sources.stiffness_N_per_m * bodies_stretched_m2_;
+  }
+  if (acts && effects_->has_giving_forces()) {
+    sources.has_effects = true;
+    const GivingForces& giving = effects_->giving_forces();
+    for (std::size_t n = 0; n < giving.size(); ++n) {
+      sources.effects_N[n] = R_device_scene_ * giving[n];
+    }
+  }
+  return sources;
+}
+
 void HapticLoop::free_hand() noexcept {
   is_hand_free_ = true;
   has_proxy_ = false;

@@ -23,7 +23,9 @@ const double kLeastSine = std::sqrt(kEpsilon);
 }  // namespace
 
 MotorLimits::MotorLimits(std::span<const MotorDescription> motors) noexcept {
+  int given = -1;
   for (const MotorDescription& motor : motors.first(std::min<std::size_t>(motors.size(), 3))) {
+    ++given;
     const Vec3 direction = Vec3(motor.direction_device.data()).normalized();
     Vec3 rest = direction;
     Vec3 parts = Vec3::Zero();
@@ -40,20 +42,25 @@ MotorLimits::MotorLimits(std::span<const MotorDescription> motors) noexcept {
     to_basis_.col(count_) = parts;
     basis_[static_cast<std::size_t>(count_)] = rest / sine;
     peak_N_[static_cast<std::size_t>(count_)] = motor.peak_force_N;
+    continuous_N_[static_cast<std::size_t>(count_)] = motor.continuous_force_N;
+    given_[static_cast<std::size_t>(count_)] = given;
     ++count_;
   }
-  find_harmless();
+  find_rows();
 }
 
-// Bounds each motor's share of a force of length 1, by the sums that scale() computes.
-void MotorLimits::find_harmless() noexcept {
-  Vec3 share = Vec3::Zero();
+// Solves for the motors from the last to the first, and bounds the share of each in a force.
+void MotorLimits::find_rows() noexcept {
   for (int i = count_ - 1; i >= 0; --i) {
-    double most = 1.0;
-    for (int j = i + 1; j < count_; ++j) most += std::abs(to_basis_(i, j)) * share[j];
-    share[i] = most / to_basis_(i, i);
-    const double peak_N = peak_N_[static_cast<std::size_t>(i)];
-    if (peak_N > 0.0) harmless_N_ = std::min(harmless_N_, 0.5 * peak_N / share[i]);
+    const auto n = static_cast<std::size_t>(i);
+    Vec3 row = basis_[n];
+    for (int j = i + 1; j < count_; ++j)
+      row -= to_basis_(i, j) * rows_[static_cast<std::size_t>(j)];
+    rows_[n] = row * (1.0 / to_basis_(i, i));
+    const double peak_N = peak_N_[n];
+    if (peak_N > 0.0) {
+      harmless_N2_ = std::min(harmless_N2_, 0.25 * peak_N * peak_N / rows_[n].squaredNorm());
+    }
   }
 }
 
@@ -75,7 +82,7 @@ Vec3 MotorLimits::part(const Vec3& force_N) const noexcept {
 }
 
 double MotorLimits::scale(const Vec3& force_N) const noexcept {
-  if (force_N.squaredNorm() < harmless_N_ * harmless_N_) return 1.0;
+  if (force_N.squaredNorm() < harmless_N2_) return 1.0;
   double scale = 1.0;
   Vec3 motor_N = Vec3::Zero();
   for (int i = count_ - 1; i >= 0; --i) {
@@ -89,6 +96,15 @@ double MotorLimits::scale(const Vec3& force_N) const noexcept {
     }
   }
   return scale;
+}
+
+Vec3 MotorLimits::loads(const Vec3& force_N) const noexcept {
+  Vec3 loads = Vec3::Zero();
+  for (int i = 0; i < count_; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    if (continuous_N_[n] > 0.0) loads[given_[n]] = rows_[n].dot(force_N) / continuous_N_[n];
+  }
+  return loads;
 }
 
 }  // namespace palpate

@@ -30,15 +30,23 @@ class MotorLimits {
   // exceeds its peak force.
   double scale(const Vec3& force_N) const noexcept;
 
+  // The force of each motor that adds up to a force in the span, divided by the motor's continuous
+  // force, in the order of the motors given. 0 where the continuous force is unknown, and for a
+  // motor without a share.
+  Vec3 loads(const Vec3& force_N) const noexcept;
+
  private:
-  void find_harmless() noexcept;
+  void find_rows() noexcept;
 
   int count_ = 0;
   std::array<Vec3, 3> basis_;  // orthonormal, by Gram and Schmidt
   std::array<double, 3> peak_N_{};
-  // No motor can exceed half of its peak force under a force shorter than this; the half is far
-  // more than rounding.
-  double harmless_N_ = std::numeric_limits<double>::infinity();
+  std::array<double, 3> continuous_N_{};
+  std::array<int, 3> given_{};  // the index of each motor among those given
+  std::array<Vec3, 3> rows_;    // a motor's share of a force in the span is rows_[i] . force
+  // No motor can exceed half of its peak force under a force whose squared length is less than
+  // this; the half is far more than rounding.
+  double harmless_N2_ = std::numeric_limits<double>::infinity();
   Mat3 to_basis_ = Mat3::Identity();  // upper triangular: motor j is sum_i to_basis_(i, j) basis_i
 };
 

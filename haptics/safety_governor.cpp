@@ -5,18 +5,13 @@
 #include <limits>
 
 #include "haptics/haptic_loop.h"  // is_time_step
+#include "haptics/nanoseconds.h"
 #include "haptics/record_vectors.h"
 
 namespace palpate {
 namespace {
 
 using Limits = GovernorLimits;
-
-constexpr double kNanosecond_s = 1e-9;
-
-std::int64_t nanoseconds(double time_s) {
-  return std::llround(time_s / kNanosecond_s);
-}
 
 // The longer one of a time and a number of periods.
 std::int64_t longer_ns(double time_s, double periods, std::int64_t period_ns) {
@@ -27,10 +22,6 @@ std::int64_t longer_ns(double time_s, double periods, std::int64_t period_ns) {
 // A scaled force must not exceed its limit by rounding. Its length rounds in three products, two
 // sums, a root, a quotient and the scaling, each of them by half an epsilon at most.
 constexpr double kBelow = 1.0 - 8 * std::numeric_limits<double>::epsilon();
-
-double seconds(std::int64_t ns) {
-  return kNanosecond_s * static_cast<double>(ns);
-}
 
 std::span<const MotorDescription> motors_of(const DeviceDescription& device) {
   return std::span(device.motors)
@@ -69,14 +60,21 @@ double SafetyGovernor::clamp_of(const DeviceDescription& device,
   return std::max(0.0, std::min(clamp_N, max_force_N.value_or(clamp_N)));
 }
 
-SafetyGovernor::SafetyGovernor(const DeviceDescription& device, double clamp_N) noexcept
+SafetyGovernor::SafetyGovernor(const DeviceDescription& device, double clamp_N,
+                               const GovernorSettings& settings) noexcept
     : moves_motors_(device.moves_motors),
+      watches_energy_(device.moves_motors && settings.watches_energy),
       limits_motors_(device.moves_motors || device.motor_count > 0),
       clamp_N_(clamp_N),
       workspace_low_m_(device.workspace_low_m),
       workspace_high_m_(device.workspace_high_m),
       sensed_axes_(device.sensed_axes),
-      motors_(motors_of(device)) {
+      motors_(motors_of(device)),
+      mechanics_(assumed_mechanics(device)),
+      control_(mechanics_, device.encoder_quantum_m),
+      design_(settings.budgets),
+      release_(device.encoder_quantum_m) {
+  if (device.rate_Hz > 0.0) device_period_ns_ = nanoseconds(1.0 / device.rate_Hz);
   set_period(0);
   if (moves_motors_) begin_start();
 }
@@ -120,18 +118,24 @@ void SafetyGovernor::set_period(std::int64_t period_ns) noexcept {
   longest_late_ns_ = longer_ns(Limits::kLate_s, Limits::kLatePeriods, period_ns_);
   speed_.set_window(
       seconds(longer_ns(Limits::kSpeedWindow_s, Limits::kSpeedWindowPeriods, period_ns_)));
+  if (!watches_energy_) return;
+  least_delay_ = DelayTicks::of(mechanics_.delay.least_s, dt_s_);
+  most_delay_ = DelayTicks::of(mechanics_.delay.most_s, dt_s_);
+  control_.set_period(dt_s_);
 }
 
-void SafetyGovernor::govern(TickRecord& record) noexcept {
+void SafetyGovernor::govern(TickRecord& record, const ForceSources& sources) noexcept {
   record.rules = 0;
   Vec3 wanted_N = vec3(record.force_device_N);
-  const bool has_bad_force = !wanted_N.allFinite() || (record.faults & kFaultNonFiniteForce) != 0;
+  const bool has_bad_force = !wanted_N.allFinite() || (record.faults & kFaultNonFiniteForce) != 0 ||
+                             (watches_energy_ && !vec3(record.full_force_device_N).allFinite());
   if (has_bad_force) {
     wanted_N.setZero();
     record.faults |= kFaultNonFiniteForce;
   }
   pushed_N_ = limits_motors_ ? motors_.part(wanted_N) : wanted_N;
   if (pushed_N_ != wanted_N) record.rules |= kRuleMotors;
+  find_way(record);
   add_work(record);
   if (moves_motors_) {
     // Reading is much faster than an exchange, and there is rarely something to take.
@@ -144,9 +148,13 @@ void SafetyGovernor::govern(TickRecord& record) noexcept {
     if (sample_.asks_for_trip) trip(TripReason::kDevice, 0.0, 0.0, record);
     watch_start(record);
   }
-  const double factor = find_factor(record);
+  const double factor = find_factor(record, sources);
   Vec3 force_N = factor < 1.0 ? Vec3(factor * pushed_N_) : pushed_N_;
-  if (moves_motors_) limit_slew(force_N, record);
+  if (watches_energy_) {
+    drive(force_N, record, sources, factor);
+  } else if (moves_motors_) {
+    limit_slew(force_N, record);
+  }
   last_force_N_ = force_N;
   put(force_N, record.force_device_N);
 }
@@ -156,7 +164,21 @@ void SafetyGovernor::pause() noexcept {
   last_force_N_.setZero();
   has_work_ = false;
   speed_.clear();
-  if (moves_motors_ && !is_tripped()) begin_start();
+  if (!watches_energy_) {
+    if (moves_motors_ && !is_tripped()) begin_start();
+    return;
+  }
+  commanded_ = {};
+  acted_N_.setZero();
+  acted_late_N_.setZero();
+  acted_ticks_ = 0;
+  last_even_N_.setZero();
+  last_missing_N_.setZero();
+  last_effects_N_ = no_giving_forces();
+  release_.stop();
+  control_.lose_way();
+  control_.forget_forces();
+  if (!is_tripped()) begin_start();
 }
 
 // The rules bad sample, stale, order and late.
@@ -229,6 +251,8 @@ void SafetyGovernor::watch_start(const TickRecord& record) noexcept {
 void SafetyGovernor::begin_start() noexcept {
   status_.state = GovernorState::kWaits;
   calm_ns_ = 0;
+  release_.stop();
+  control_.clear();
 }
 
 void SafetyGovernor::trip(TripReason reason, double value, double limit,
@@ -238,12 +262,15 @@ void SafetyGovernor::trip(TripReason reason, double value, double limit,
   ++status_.trips;
   GovernorTrip& trip = status_.trip;
   trip = {reason, record.tick, record.time_s, value, limit, {}, {}};
+  release_.stop();
+  const bool is_trusted = reason == TripReason::kSpeed || reason == TripReason::kUnstable;
+  if (watches_energy_ && is_trusted) release_.begin(last_force_N_);
   std::copy_n(record.device_m, 3, trip.device_m.begin());
   std::copy_n(record.force_device_N, 3, trip.wanted_N.begin());
 }
 
 // The smallest factor of all rules but the slew.
-double SafetyGovernor::find_factor(TickRecord& record) const noexcept {
+double SafetyGovernor::find_factor(TickRecord& record, const ForceSources& sources) noexcept {
   double factor = marked(factor_to(clamp_N_, pushed_N_), kRuleClamp, record);
   if (limits_motors_) {
     const double peaks = motors_.scale(pushed_N_);
@@ -251,18 +278,35 @@ double SafetyGovernor::find_factor(TickRecord& record) const noexcept {
   }
   if (!moves_motors_) return factor;
   factor = std::min(factor, marked(workspace_factor(record), kRuleWorkspace, record));
-  if (is_eased_) {
-    factor = std::min(factor, marked(seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record));
+  if (is_eased_) factor = std::min(factor, marked(ease_share(), kRuleEase, record));
+  if (watches_energy_) {
+    const double soft = marked(control_.stiffness(), kRuleSoft, record);
+    factor = std::min(factor, soft * marked(restart_factor(sources), kRuleRestart, record));
   }
+  if (status_.state != GovernorState::kRuns) {
+    const GovernorRule rule = is_tripped() ? kRuleTripped : kRuleStart;
+    factor = std::min(factor, marked(start_share(), rule, record));
+  }
+  if (!watches_energy_) return factor;
+  const double heat = heat_.factor(motors_.loads(factor * pushed_N_));
+  return marked(heat, kRuleHeat, record) * factor;
+}
+
+// The share of the force that an interruption has left.
+double SafetyGovernor::ease_share() const noexcept {
+  return is_eased_ ? seconds(ease_ns_) / Limits::kEase_s : 1.0;
+}
+
+// The share of the force that the state allows.
+double SafetyGovernor::start_share() const noexcept {
   switch (status_.state) {
     case GovernorState::kRuns:
-      return factor;
+      return 1.0;
     case GovernorState::kStarts:
-      return std::min(factor, marked(seconds(start_ns_) / Limits::kStart_s, kRuleStart, record));
+      return seconds(start_ns_) / Limits::kStart_s;
     case GovernorState::kWaits:
-      return marked(0.0, kRuleStart, record);
     case GovernorState::kTripped:
-      return marked(0.0, kRuleTripped, record);
+      return 0.0;
   }
   return 0.0;
 }
@@ -293,24 +337,6 @@ void SafetyGovernor::limit_slew(Vec3& force_N, TickRecord& record) const noexcep
   const double before_N = std::max(0.0, last_force_N_.dot(force_N) / length_N);
   const double factor = factor_to(before_N + growth_N, length_N);
   if (factor < 1.0) force_N *= marked(factor, kRuleSlew, record);
-}
-
-// The device holds a force until the next tick: the work is that of the last force along the way
-// that followed.
-void SafetyGovernor::add_work(const TickRecord& record) noexcept {
-  if ((record.faults & kFaultsWithoutForce) != 0) {
-    has_work_ = false;
-    return;
-  }
-  const Vec3 device_m = vec3(record.device_m);
-  if (has_work_) {
-    const Vec3 way_m = device_m - work_device_m_;
-    status_.given_J += last_force_N_.dot(way_m);
-    status_.given_by_design_J += work_masked_N_.dot(way_m);
-  }
-  has_work_ = true;
-  work_device_m_ = device_m;
-  work_masked_N_ = pushed_N_ - vec3(record.full_force_device_N);
 }
 
 }  // namespace palpate

@@ -10,7 +10,14 @@
 #include <string_view>
 
 #include "geometry/base/types.h"
+#include "haptics/energy_budgets.h"
+#include "haptics/force_history.h"
+#include "haptics/force_sources.h"
+#include "haptics/gentle_release.h"
+#include "haptics/motor_heat.h"
 #include "haptics/motor_limits.h"
+#include "haptics/passivity_control.h"
+#include "haptics/spring_restart.h"
 #include "haptics/strategies/speed_window.h"
 #include "palpate/device.h"
 #include "palpate/record.h"
@@ -43,12 +50,27 @@ struct GovernorLimits {
   static constexpr double kStart_s = 0.5;
 };
 
-enum class TripReason : std::uint8_t { kNone, kBadSamples, kBadForce, kSpeed, kStale, kDevice };
-inline constexpr std::array<std::string_view, 6> kTripReasonNames = {
-    "none", "bad_samples", "non_finite_force", "speed", "stale", "device"};
+struct GovernorSettings {
+  EnergyBudgets budgets;
+  // False: without the rules from *restart* on, as in versions before these rules. Only the replay
+  // of a recording of that time may need it.
+  bool watches_energy = true;
+};
+
+enum class TripReason : std::uint8_t {
+  kNone,
+  kBadSamples,
+  kBadForce,
+  kSpeed,
+  kStale,
+  kDevice,
+  kUnstable
+};
+inline constexpr std::array<std::string_view, 7> kTripReasonNames = {
+    "none", "bad_samples", "non_finite_force", "speed", "stale", "device", "unstable"};
 
 // Why the governor cut the force. The unit of value and limit is that of the reason: kBadSamples:
-// 1, kSpeed: m/s, kStale: s, otherwise both are 0.
+// 1, kSpeed: m/s, kStale: s, kUnstable: J, otherwise both are 0.
 struct GovernorTrip {
   TripReason reason = TripReason::kNone;
   std::uint64_t tick = 0;
@@ -69,12 +91,19 @@ struct GovernorStatus {
   GovernorState state = GovernorState::kRuns;
   GovernorTrip trip;        // the last one
   std::uint64_t trips = 0;  // since the beginning
-  // The work of the commanded forces on the hand: positive, if the motors gave energy.
+  // The work of the commanded forces on the hand: positive, if the motors gave energy. The first is
+  // that of forces which act after the least delay of the device, the second after the longest. A
+  // device that moves no motors has no delay.
   double given_J = 0.0;
+  double given_late_J = 0.0;
   // The part of given_J that missing motors and A4 give by design: the work of the force that the
   // motors can push, less the work of the full force, which A4 and the missing motors do not
   // change (docs/inside/haptics.md has a formula).
   double given_by_design_J = 0.0;
+  // Of a device that moves motors: what each source has given (EnergySource), and the account of
+  // the passivity observer.
+  std::array<double, kEnergySourceCount> given_by_source_J = {};
+  double account_J = 0.0;
 };
 
 // The times of a tick.
@@ -108,16 +137,30 @@ struct TickTime {
 // - start (M), after start, rearm and a pause: zero force until for 100 ms the wanted force is
 //   below 0.3 N or there is no contact, and the speed is below 0.2 m/s; then the force grows
 //   linearly to full in 0.5 s.
+// - restart (M): the spring of a contact gives back what the hand has put in, and no more
+//   (SpringRestart). It acts after interruptions and starts, and after jumps of nodes, stiffness
+//   and places.
+// - damping (M): the passivity controller damps what time adds to the force (PassivityControl).
+//   What a source gives beyond its budget (EnergyBudgets) counts as well.
+// - soft (M): where damping does not suffice, the contact loses its stiffness until it ends; where
+//   that does not suffice either, the governor trips: unstable.
+// - heat (M): the whole force is scaled, so that no motor exceeds its continuous force, root mean
+//   square over 10 s (MotorHeat).
+// - release (M): after a trip whose reason leaves samples and force trustworthy (speed, unstable),
+//   the part of the force that resists the motion falls within 30 ms (GentleRelease). After any
+//   other trip the force is zero at once.
 //
-// Factors are not multiplied: the smallest one counts. The slew rule is the last one. A trip
-// latches zero force until rearm().
+// Factors are not multiplied: the smallest one counts, but *soft* scales the spring of *restart*,
+// and *heat* scales what the others leave. Then the damping is added, and the slew
+// rule is the last one. A trip latches zero force until rearm().
 //
 // Thread-safety: any thread may call rearm(); one thread calls all other functions. No function
 // allocates, locks or throws.
 class SafetyGovernor {
  public:
   // clamp_N: see clamp_of().
-  SafetyGovernor(const DeviceDescription& device, double clamp_N) noexcept;
+  SafetyGovernor(const DeviceDescription& device, double clamp_N,
+                 const GovernorSettings& settings = {}) noexcept;
 
   // The largest force of a device, N; infinite if no rule limits it. max_force_N: a user's limit; a
   // negative one counts as 0, and NaN as none.
@@ -131,8 +174,11 @@ class SafetyGovernor {
   void set_motors(std::span<const MotorDescription> motors) noexcept {
     motors_ = MotorLimits(motors);
   }
-  // Limits the record's commanded force and sets the record's rules. Ends a tick.
-  void govern(TickRecord& record) noexcept;
+  // Whether govern() needs the sources of the force.
+  bool needs_sources() const noexcept { return watches_energy_; }
+  // Limits the record's commanded force and sets the record's rules. Ends a tick. sources: what the
+  // force comes from; without it, the stiffness of the contact is unknown.
+  void govern(TickRecord& record, const ForceSources& sources = {}) noexcept;
 
   // Replaces begin_tick() and govern() in the ticks of a paused session, whose force is zero: the
   // rule *start* (M) begins in the next tick, and the rules do not count the time of the pause. A
@@ -163,14 +209,28 @@ class SafetyGovernor {
   void watch_interruptions(TickRecord& record) noexcept;
   void watch_speed(TickRecord& record) noexcept;
   void watch_start(const TickRecord& record) noexcept;
-  double find_factor(TickRecord& record) const noexcept;
+  double find_factor(TickRecord& record, const ForceSources& sources) noexcept;
+  bool is_glitch() const noexcept;
+  double restart_factor(const ForceSources& sources) noexcept;
+  double ease_share() const noexcept;
+  double start_share() const noexcept;
+  void drive(Vec3& force_N, TickRecord& record, const ForceSources& sources,
+             double factor) noexcept;
+  void control(Vec3& force_N, TickRecord& record, const ForceSources& sources,
+               double factor) noexcept;
+  double beyond_budgets_J(const TickRecord& record, const ForceSources& sources, const Vec3& even_N,
+                          double factor) noexcept;
+  Vec3 limited(const Vec3& force_N) const noexcept;
+  Vec3 released(TickRecord& record) noexcept;
   double workspace_factor(const TickRecord& record) const noexcept;
   void limit_slew(Vec3& force_N, TickRecord& record) const noexcept;
+  void find_way(const TickRecord& record) noexcept;
   void add_work(const TickRecord& record) noexcept;
   void trip(TripReason reason, double value, double limit, TickRecord& record) noexcept;
   void begin_start() noexcept;
 
   bool moves_motors_;
+  bool watches_energy_;  // a device that moves motors
   bool limits_motors_;
   double clamp_N_;
   std::array<double, 3> workspace_low_m_, workspace_high_m_;
@@ -215,6 +275,36 @@ class SafetyGovernor {
   Vec3 work_masked_N_ = Vec3::Zero();  // what the motors could push, less the full force
 
   Vec3 pushed_N_ = Vec3::Zero();  // the part of this tick's force that the motors can push
+
+  // Of a device that moves motors.
+  DelayTicks least_delay_, most_delay_;
+  ForceHistory commanded_;
+  // Since the last good sample: its way, the sums of the forces that acted, and their number.
+  bool has_way_ = false;
+  bool is_gap_ = false;
+  Vec3 way_m_ = Vec3::Zero();
+  Vec3 acted_N_ = Vec3::Zero(), acted_late_N_ = Vec3::Zero();
+  int acted_ticks_ = 0;
+  std::int64_t acted_ns_ = 0;
+  std::int64_t way_ns_ = 0;
+  double way_work_J_ = 0.0;  // of the motors on that way
+  double nodes_J_ = 0.0;     // of nodes since the last way
+  AssumedMechanics mechanics_;
+  PassivityControl control_;
+  GivenByDesign design_;
+  // Of the last tick: the force without damping, what the motors cannot push, and the effects.
+  Vec3 last_even_N_ = Vec3::Zero();
+  Vec3 last_missing_N_ = Vec3::Zero();
+  GivingForces last_effects_N_ = no_giving_forces();
+  bool had_effects_ = false;
+  std::int64_t device_period_ns_ = 0;  // as the device states it
+  // The longest time between two new samples, lately.
+  std::int64_t longest_hold_ns_ = 0;
+  std::int64_t longest_hold_since_ns_ = 0;
+  std::int64_t interrupted_ns_ = -1'000'000'000;  // the time of the last interruption
+  SpringRestart restart_;
+  MotorHeat heat_;
+  GentleRelease release_;
 };
 
 }  // namespace palpate

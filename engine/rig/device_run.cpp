@@ -73,6 +73,7 @@ Result<DeviceRun> run_device(const Scene& scene, const RunSetup& setup, Guardabl
   done.tick_times = run.thread().times();
   done.has_fifo = run.has_fifo();
   done.health = device.health();
+  done.line = device.line_rate();
   done.warnings = run.warnings();
   return done;
 }

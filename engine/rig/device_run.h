@@ -46,6 +46,7 @@ struct DeviceRun {
   GovernorStatus governor;  // after the last tick
   bool has_fifo = false;    // the haptic thread and the guard have SCHED_FIFO
   DeviceHealth health;      // at the end
+  LineRate line;            // of the whole session
   StartInside::Status start_inside;
   std::vector<std::string> warnings;
 };

@@ -14,8 +14,10 @@ Rig::Rig(HapticLoop loop, const RunSetup& setup, Device& device, const Scene* sc
 SessionParts Rig::connect(const RunSetup& setup, const Scene* scene, RigParts parts) {
   if (parts.has_measured_times) loop_.use_measured_times();
   keeper_ = std::move(parts.keeper);
-  SessionParts session{
-      .max_force_N = setup.max_force_N, .takes_motors = parts.takes_motors, .sink = parts.sink};
+  SessionParts session{.max_force_N = setup.max_force_N,
+                       .takes_motors = parts.takes_motors,
+                       .governor = parts.governor,
+                       .sink = parts.sink};
   if (motions_) session.changes.push_back(&*motions_);
   if (scene && parts.has_tuner) session.changes.push_back(&tuner_.emplace(*scene));
   session.changes.insert(session.changes.end(), parts.changes.begin(), parts.changes.end());

@@ -52,6 +52,7 @@ std::optional<Error> GuardedRun::start() {
 
 std::optional<Error> GuardedRun::start_steps() {
   if (auto error = open_device()) return error;
+  if (auto error = check_rates()) return error;
   const std::string refusal = fifo_refusal();
   if (auto error = check_fifo(refusal)) return error;
   has_fifo_ = refusal.empty();
@@ -68,6 +69,17 @@ std::optional<Error> GuardedRun::open_device() {
   auto problem = device_.start();
   if (!problem) return std::nullopt;
   return Error{ErrorCode::kFileUnreadable, "", "", std::move(*problem), ""};
+}
+
+// The device has measured its line.
+std::optional<Error> GuardedRun::check_rates() {
+  const LineRate line = device_.line_rate();
+  const DeviceDescription& device = device_.description();
+  if (auto error = check_least_rates(device, line, settings_.thread.rate_Hz)) return error;
+  for (std::string& warning : slow_rate_warnings(device, line, settings_.thread.rate_Hz)) {
+    warnings_.push_back(std::move(warning));
+  }
+  return std::nullopt;
 }
 
 std::optional<Error> GuardedRun::check_fifo(const std::string& refusal) const {

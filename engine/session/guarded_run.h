@@ -36,10 +36,11 @@ class GuardedRun {
   GuardedRun(const GuardedRun&) = delete;
   GuardedRun& operator=(const GuardedRun&) = delete;
 
-  // Opens the device, which commands zero without a guard; asks for real-time scheduling; starts
-  // and arms the guard; starts the haptic thread, whose session begins with zero force (the rule
-  // *start* of the governor). If a step fails, the steps before it are undone, and no force was
-  // commanded. Call this function once.
+  // Opens the device, which commands zero without a guard; refuses rates of ticks and messages
+  // below LeastRates for a device that pushes; asks for real-time scheduling; starts and arms the
+  // guard; starts the haptic thread, whose session begins with zero force (the rule *start* of the
+  // governor). If a step fails, the steps before it are undone, and no force was commanded. Call
+  // this function once.
   std::optional<Error> start();
   // The same in reverse order: the thread commands zero and stops the device; then the guard is
   // disarmed and ended. Does nothing if nothing runs.
@@ -56,6 +57,7 @@ class GuardedRun {
  private:
   std::optional<Error> start_steps();
   std::optional<Error> open_device();
+  std::optional<Error> check_rates();
   std::optional<Error> start_guard();
   std::optional<Error> start_thread();
   std::optional<Error> check_fifo(const std::string& refusal) const;

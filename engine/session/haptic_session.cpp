@@ -14,8 +14,9 @@ namespace {
 
 std::string delay_problem(const DeviceDescription& device) {
   std::ostringstream text;
-  text << "the device \"" << device.name << "\" states a delay of " << device.delay_s
-       << " s; expected 0 to " << kLongestDelay_s << " s (DeviceDescription::delay_s)";
+  text << "the device \"" << device.name << "\" states a delay of " << device.delay.least_s
+       << " to " << device.delay.most_s << " s; expected an interval within 0 to "
+       << kLongestDelay_s << " s (DeviceDescription::delay)";
   return text.str();
 }
 
@@ -33,13 +34,13 @@ std::optional<std::string> HapticSession::start() {
   // is_running_ is already set, so that stop() runs even if device_.start() throws.
   auto problem = device_.start();
   const DeviceDescription& device = device_.description();
-  if (!problem && !is_delay(device.delay_s)) problem = delay_problem(device);
+  if (!problem && !is_delay(device.delay)) problem = delay_problem(device);
   if (problem) {
     stop();
     return problem;
   }
-  governor_.emplace(device, SafetyGovernor::clamp_of(device, parts_.max_force_N));
-  recorder_.start({device, parts_.max_force_N, parts_.takes_motors});
+  governor_.emplace(device, SafetyGovernor::clamp_of(device, parts_.max_force_N), parts_.governor);
+  recorder_.start({device, parts_.max_force_N, parts_.takes_motors, parts_.governor});
   return std::nullopt;
 }
 
@@ -124,7 +125,7 @@ TickRecord HapticSession::run_loop(const DeviceSample& sample, double dt_s) noex
 // Returns whether the governor has cut the force in this tick.
 bool HapticSession::govern(TickRecord& record) noexcept {
   const std::uint64_t trips = governor_->status().trips;
-  governor_->govern(record);
+  governor_->govern(record, governor_->needs_sources() ? loop_.force_sources() : ForceSources{});
   return governor_->status().trips > trips;
 }
 

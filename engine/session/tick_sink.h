@@ -98,6 +98,7 @@ struct SessionFacts {
   const DeviceDescription& device;
   std::optional<double> max_force_N;
   bool takes_motors = true;
+  GovernorSettings governor = {};
 };
 
 // Receives all that is needed to compute a session again. The session calls on_start() on the

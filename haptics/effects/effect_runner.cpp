@@ -29,6 +29,11 @@ EffectRunner::EffectRunner(const ContactWorld& world, const GodObjectSettings& p
       place_forces_N_(program_->places.count, Vec3::Zero()) {
   tick_.radius_m = proxy.radius_m;
   reset_states();
+  const auto effects = compiled_effects();
+  for (std::size_t n = 0; n < effects.size(); ++n) {
+    const auto* place = std::find(kGivingEffects.begin(), kGivingEffects.end(), effects[n].name);
+    giving_of_[n] = static_cast<std::uint8_t>(place - kGivingEffects.begin());
+  }
   for (std::size_t b = 0; b < program_->bodies.size(); ++b) {
     if (!program_->bodies[b].attributes) continue;
     const Box box = world.bodies[b].box_solver();
@@ -75,9 +80,14 @@ std::uint32_t EffectRunner::end_tick() noexcept {
 }
 
 void EffectRunner::run_one(const EffectCall& call, EffectTick& tick) noexcept {
+  const Vec3 before_N = tick.force_N;
   const auto active =
       call.apply(parameters_.data() + call.parameters, states_.data() + call.state, tick);
   active_ |= static_cast<std::uint32_t>(active) << call.effect;
+  const std::uint8_t place = giving_of_[call.effect];
+  if (!active || place == kGivesNothing) return;
+  giving_[place] += tick.force_N - before_N;
+  gives_ = true;
 }
 
 void EffectRunner::run(std::span<const EffectCall> table, EffectTick& tick) noexcept {

@@ -10,6 +10,7 @@
 
 #include "geometry/base/box.h"
 #include "haptics/effects/effect_program.h"
+#include "haptics/effects/giving_forces.h"
 #include "haptics/proxy/god_object.h"
 #include "haptics/proxy/proxy_state.h"
 
@@ -75,6 +76,8 @@ class EffectRunner {
   void begin_tick() noexcept {
     active_ = held_ = 0;
     is_capped_ = false;
+    if (gives_) giving_ = no_giving_forces();
+    gives_ = false;
   }
   // Returns the effects that were active in this tick, one bit each, and counts them.
   std::uint32_t end_tick() noexcept;
@@ -111,6 +114,10 @@ class EffectRunner {
 
   // Resets all effect states to their initial values.
   void reset_states() noexcept;
+
+  // Of this tick. has_giving_forces(): not all of them are zero.
+  bool has_giving_forces() const { return gives_; }
+  const GivingForces& giving_forces() const { return giving_; }
 
   // Whether the budget of the effects did not suffice in this tick, and the counted work of the
   // effects in the last tick that ran effects near objects.
@@ -152,7 +159,12 @@ class EffectRunner {
   std::vector<std::byte> states_;
   EffectCounters counters_;
   std::uint32_t active_ = 0;  // in this tick
-  std::uint32_t held_ = 0;    // friction effects of all faces that the solver tried
+  GivingForces giving_ = no_giving_forces();
+  bool gives_ = false;
+  // By the number of the effect: the place of its force in giving_, or kGivesNothing.
+  static constexpr std::uint8_t kGivesNothing = kGivingEffects.size();
+  std::array<std::uint8_t, kMostEffects> giving_of_{};
+  std::uint32_t held_ = 0;  // friction effects of all faces that the solver tried
 
   // The touched faces, and their materials without repetition.
   std::array<Touch, 3> touches_{};

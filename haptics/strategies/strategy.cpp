@@ -7,6 +7,7 @@
 
 #include "geometry/base/printable.h"
 #include "haptics/strategies/a4_anticipate.h"
+#include "haptics/strategies/a4_passive.h"
 #include "haptics/strategies/anisotropic.h"
 #include "haptics/strategies/control_display.h"
 
@@ -14,8 +15,8 @@ namespace palpate {
 namespace {
 
 constexpr const StrategyType* kStrategies[] = {
-    &kNoForceStrategy,      &kMaskStrategy,        &kFullStrategy,          &kA4Strategy,
-    &kA4AnticipateStrategy, &kAnisotropicStrategy, &kControlDisplayStrategy};
+    &kNoForceStrategy,      &kMaskStrategy,      &kFullStrategy,        &kA4Strategy,
+    &kA4AnticipateStrategy, &kA4PassiveStrategy, &kAnisotropicStrategy, &kControlDisplayStrategy};
 
 std::string shortest(double value) {
   std::array<char, 32> digits;  // the shortest form of a double has at most 24 characters
@@ -69,6 +70,7 @@ Result<Strategy> parse_strategy(std::string_view name) {
     }
     if (type->name == name) {
       if (!type->parameter) return Strategy{type};
+      if (const auto& value = type->parameter->value_of_name_alone) return Strategy{type, *value};
       hint = "add " + std::string(type->parameter->symbol) + ", as in " +
              name_of({type, type->parameter->example});
     }
@@ -85,8 +87,9 @@ std::string name_of(const Strategy& strategy) {
 
 std::string name_with_symbol(const StrategyType& type) {
   std::string name(type.name);
-  if (type.parameter) name += ":" + std::string(type.parameter->symbol);
-  return name;
+  if (!type.parameter) return name;
+  const std::string number = ":" + std::string(type.parameter->symbol);
+  return name + (type.parameter->value_of_name_alone ? "[" + number + "]" : number);
 }
 
 std::string strategy_names_for_help() {

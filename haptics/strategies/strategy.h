@@ -32,6 +32,8 @@ struct StrategyParameter {
   double most = 0.0;
   double example = 0.0;
   std::string_view meaning;  // of its values, in one line
+  // What the name alone stands for. No value: the name needs a number.
+  std::optional<double> value_of_name_alone = {};
 
   constexpr bool allows(double value) const { return value >= least && value <= most; }
 };
@@ -71,14 +73,15 @@ struct Strategy {
 };
 
 // Reads the name of a strategy; a type with a parameter has the name NAME:NUMBER, and the number is
-// read alike in every locale. An Error has the element "strategy".
+// read alike in every locale. NAME alone is read where its type states a value for it. An Error has
+// the element "strategy".
 Result<Strategy> parse_strategy(std::string_view name);
 
 // The name that parse_strategy() reads as this strategy, with the shortest number that gives the
-// same bits.
+// same bits. The number is always there: the value of a name alone may change with a version.
 std::string name_of(const Strategy& strategy);
 
-// NAME:E for a type with a parameter E, otherwise NAME.
+// NAME:E for a type with a parameter E, NAME[:E] if it may be left out, otherwise NAME.
 std::string name_with_symbol(const StrategyType& type);
 
 // The names of all strategies for a help text: "none, ..., anisotropic:E with E from 0.0625 to 16,

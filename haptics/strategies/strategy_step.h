@@ -7,6 +7,7 @@
 
 #include "haptics/a4/actuation.h"
 #include "haptics/a4/theoretical_rotation.h"
+#include "haptics/effects/effect_runner.h"
 #include "haptics/proxy/god_object.h"
 #include "haptics/proxy/proxy_state.h"
 #include "haptics/strategies/haptic_settings.h"
@@ -21,8 +22,12 @@ struct StrategyTick {
   const HapticSettings& settings;
   const LiveWorld& world;
   const Mat3& R_device_scene;  // from solver axes to the device frame
-  const ProxyState& proxy;     // of this tick; in before_motion() of the last one
-  Vec3 goal_solver_m;          // the device point; in before_motion() of the last tick
+  const ProxyState& proxy;     // of this tick; in scene_origin_m() of the last one
+  ContactView contact;         // of the same tick as the proxy
+  Vec3 goal_solver_m;          // the device point; in scene_origin_m() of the last tick
+  // How effects render the contact; null: as the coupling of the settings does. From force() on.
+  const ContactResponse* response;
+  Vec3 coupling_force_N;  // of spring, damper and friction, solver axes; from force() on
   double radius_m;
   double dt_s;
   bool follows_good_tick;  // the last tick had a good sample and a hand that was not free
@@ -61,7 +66,8 @@ class StrategyStep {
     return std::nullopt;
   }
 
-  // After action 6: a rotation of the scene about the device point; its angle is 0 for none.
+  // After action 6, with the pose after A4's turn: a further rotation of the scene, about the
+  // device point; its angle is 0 for none.
   virtual AxisAngle turn_about_device_point(const StrategyTick&) noexcept { return {}; }
 };
 

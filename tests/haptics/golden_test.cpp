@@ -76,6 +76,8 @@ struct GoldenOfStrategy {
 
 constexpr GoldenOfStrategy kGoldenOfStrategies[] = {
     {"a4-anticipate", {0xf66b534df44dd604, 0x63b3a307b09df10e, 0xaf9c77a1ce91b3bc}},
+    {"a4-passive:0", {0xe2cfd14aebc8374a, 0xaf99ab1ce2404145, 0x8ef77e6b041006b4}},
+    {"a4-passive:10", {0xbc1f88d83a688313, 0xfe81bf7b1c4fe544, 0x8ef77e6b041006b4}},
     {"anisotropic:0.25", {0x383a4e4884ef29ac, 0x980b9318b4025f42, 0x7060160a006df8e7}},
     {"anisotropic:4", {0x0e127343dbb4f2e4, 0x06cbb3da12120864, 0x4b0f437f69ec41ac}},
     {"cd", {0xf3e5ff273f3e4989, 0xec530b8cd44a8310, 0xab912266cc48c0fd}},

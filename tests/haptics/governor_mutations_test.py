@@ -4,7 +4,7 @@
 governor_mutations_test.py SOURCE_DIR BUILD_DIR [NAME...]
 
 Copies the sources of the governor, breaks one rule at a time by replacing a text, compiles the copy
-with the options of the build, and runs tests/haptics/safety_governor_test.cpp with it. The unchanged
+with the options of the build, and runs the tests in TESTS with it. The unchanged
 copy must pass, and every broken one must fail. NAME selects the mutations whose name begins with it.
 """
 
@@ -16,11 +16,26 @@ import subprocess
 import sys
 import tempfile
 
-TEST = "tests/haptics/safety_governor_test.cpp"
+TESTS = [f"tests/haptics/{name}_test.cpp"
+         for name in ("safety_governor", "motor_heat", "gentle_release", "passivity_control",
+                      "spring_restart", "swing_watch", "energy_budgets", "force_history")]
 GOVERNOR = "haptics/safety_governor.cpp"
 MOTORS = "haptics/motor_limits.cpp"
+HEAT = "haptics/motor_heat.cpp"
+RELEASE = "haptics/gentle_release.cpp"
+ENERGY = "haptics/safety_governor_energy.cpp"
+CONTROL = "haptics/passivity_control.cpp"
+RESTART = "haptics/spring_restart.cpp"
+SWING = "haptics/swing_watch.cpp"
+BUDGETS = "haptics/energy_budgets.cpp"
+HISTORY = "haptics/force_history.h"
 SPEED = "haptics/strategies/speed_window.h"
-SOURCES = [GOVERNOR, MOTORS, TEST]
+# The last one is unchanged: the tests need it.
+PROGRAM = [GOVERNOR, ENERGY, CONTROL, RESTART, SWING, BUDGETS, MOTORS, HEAT, RELEASE,
+           "geometry/base/decompositions.cpp"]
+SOURCES = [*PROGRAM, *TESTS]
+HEADERS = [SPEED, HISTORY,
+           *(source.replace(".cpp", ".h") for source in PROGRAM if source != ENERGY)]
 # A broken governor may run into an endless loop; the tests take some seconds.
 LONGEST_S = 120
 
@@ -71,8 +86,8 @@ MUTATIONS = {
          "return std::max(0.0, std::min(", "return std::max(-1e9, std::min("),
     ],
     "slew": [
-        ("has no slew", GOVERNOR,
-         "  if (moves_motors_) limit_slew(force_N, record);\n", ""),
+        ("has no slew", ENERGY,
+         "  limit_slew(force_N, record);\n", ""),
         ("does not count", GOVERNOR,
          "force_N *= marked(factor, kRuleSlew, record);", "force_N *= factor;"),
         ("does not let a reversal grow from zero", GOVERNOR,
@@ -161,16 +176,16 @@ MUTATIONS = {
     ],
     "ease": [
         ("does not ease", GOVERNOR,
-         "  if (is_eased_) {\n", "  if (is_interrupted_) {\n"),
+         "return is_eased_ ? seconds(ease_ns_)", "return is_interrupted_ ? seconds(ease_ns_)"),
         ("eases twice as fast", GOVERNOR,
-         "marked(seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record)",
-         "marked(2 * seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record)"),
+         "seconds(ease_ns_) / Limits::kEase_s : 1.0",
+         "std::min(1.0, 2 * seconds(ease_ns_) / Limits::kEase_s) : 1.0"),
         ("does not begin anew", GOVERNOR,
          "ease_ns_ = is_interrupted_ ? 0 : ease_ns_ + ramp_step_ns_;",
          "ease_ns_ = is_interrupted_ && !is_eased_ ? 0 : ease_ns_ + ramp_step_ns_;"),
         ("multiplies its factor", GOVERNOR,
-         "factor = std::min(factor, marked(seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record));",
-         "factor *= marked(seconds(ease_ns_) / Limits::kEase_s, kRuleEase, record);"),
+         "factor = std::min(factor, marked(ease_share(), kRuleEase, record));",
+         "factor *= marked(ease_share(), kRuleEase, record);"),
     ],
     "start": [
         ("begins at full force", GOVERNOR,
@@ -196,22 +211,138 @@ MUTATIONS = {
          "calm_ns_ = is_calm ? calm_ns_ + ramp_step_ns_ : 0;",
          "calm_ns_ = is_calm ? calm_ns_ + ramp_step_ns_ : calm_ns_;"),
         ("has no ramp", GOVERNOR,
-         "marked(seconds(start_ns_) / Limits::kStart_s, kRuleStart, record)",
-         "marked(1.0, kRuleStart, record)"),
+         "return seconds(start_ns_) / Limits::kStart_s;", "return 1.0;"),
     ],
     "trip": [
-        ("does not cut the force", GOVERNOR,
-         "return marked(0.0, kRuleTripped, record);", "return factor;"),
+        ("does not cut the force", ENERGY,
+         "  if (is_tripped()) force_N = released(record);\n", ""),
         ("ignores the device", GOVERNOR,
          "    if (sample_.asks_for_trip) trip(TripReason::kDevice, 0.0, 0.0, record);\n", ""),
         ("counts each tick", GOVERNOR,
          "  if (is_tripped()) return;\n  status_.state", "  status_.state"),
     ],
+    "heat": [
+        ("does not warm with the square", HEAT,
+         "? loads[i] * loads[i] : 1.0", "? std::abs(loads[i]) : 1.0"),
+        ("does not cool", HEAT,
+         "mean_square_[i] += share * (load2 - mean_square_[i]);",
+         "mean_square_[i] += share * std::max(0.0, load2 - mean_square_[i]);"),
+        ("has a third of the series only", HEAT, "(1.0 / 6 - x * ", "(0.0 / 6 - x * "),
+        ("takes a long step for a short one", HEAT, "share *= 2.0 - share;", "share *= 2.0;"),
+        ("has no limit", HEAT, "return factor2 < 1.0 ? std::sqrt(factor2) : 1.0;", "return 1.0;"),
+        ("scales by the square", HEAT, "std::sqrt(factor2)", "factor2"),
+        ("looks only at the last motor", HEAT,
+         "factor2 = std::min(factor2, (1.0 - x) / load2 + x);",
+         "factor2 = (1.0 - x) / load2 + x;"),
+        ("has no fade", HEAT, "std::max(0.0, (1.0 - mean_square_[i]) / kFadeWidth)",
+         "mean_square_[i] < 1.0 ? 1.0 : 0.0"),
+        ("fades from half of the force", HEAT,
+         "1.0 - HeatLimits::kFadeFrom * HeatLimits::kFadeFrom", "0.75"),
+        ("is poisoned by a load that is not finite", HEAT,
+         "std::isfinite(loads[i]) ? loads[i] * loads[i] : 1.0", "loads[i] * loads[i]"),
+        ("takes the forces for the loads", MOTORS,
+         "= rows_[n].dot(force_N) / continuous_N_[n];", "= rows_[n].dot(force_N);"),
+        ("confuses the motors", MOTORS,
+         "loads[given_[n]]", "loads[i]"),
+        ("takes oblique motors for orthogonal ones", MOTORS,
+         "row -= to_basis_(i, j) * rows_[static_cast<std::size_t>(j)];", ";"),
+    ],
+    "release": [
+        ("drops the hand", RELEASE, "  is_active_ = force_N.allFinite();\n", ""),
+        ("keeps a force that is not finite", RELEASE, "force_N.allFinite()", "true"),
+        ("keeps its force after a way that is not finite", RELEASE,
+         "!way_m.allFinite() || ", ""),
+        ("has no end", RELEASE, " || age_ns_ >= fall_ns_) stop();", ") stop();"),
+        ("does not fall", RELEASE, "  age_ns_ += step_ns;\n", ""),
+        ("pushes along the motion", RELEASE,
+         "std::min(0.0, before_N_.dot(direction_))", "before_N_.dot(direction_)"),
+        ("keeps the part across the motion", RELEASE,
+         "Vec3(std::min(0.0, before_N_.dot(direction_)) * direction_)",
+         "Vec3(before_N_.dot(direction_) < 0.0 ? before_N_ : Vec3(Vec3::Zero()))"),
+        ("leaves the span of the motors", RELEASE,
+         "const Vec3 part_m = motors.part(way_m_);", "const Vec3 part_m = way_m_;"),
+        ("takes rounding for a motion", RELEASE,
+         "quantum_m_ + kWayRounding * way_m_.norm()", "quantum_m_"),
+        ("takes a step of the encoder for a motion", RELEASE,
+         "quantum_m_ + kWayRounding * way_m_.norm()", "kWayRounding * way_m_.norm()"),
+        ("drops a hand that rests", RELEASE, ": before_N_);", ": Vec3(Vec3::Zero()));"),
+        ("swings with the hand", RELEASE,
+         "++turns_ >= GentleReleaseLimits::kMostTurns", "false"),
+        ("ends at the first turn", RELEASE,
+         "++turns_ >= GentleReleaseLimits::kMostTurns", "true"),
+        ("does not begin anew", RELEASE, "  age_ns_ = 0;\n", ""),
+        ("does not count the turns anew", RELEASE, "  turns_ = 0;\n", ""),
+        ("does not forget the motion of the last trip", RELEASE, "  has_moved_ = false;\n", ""),
+        ("takes the way before the trip for its own", RELEASE, "step_ns > 0 && ", ""),
+    ],
     "energy": [
-        ("is not summed", GOVERNOR,
-         "    status_.given_J += last_force_N_.dot(way_m);\n", ""),
-        ("by design is not summed", GOVERNOR,
-         "    status_.given_by_design_J += work_masked_N_.dot(way_m);\n", ""),
+        ("is not summed", ENERGY, "    status_.given_J += way_work_J_;\n", ""),
+        ("by design is not summed", ENERGY,
+         "    status_.given_J += way_work_J_;\n"
+         "    status_.given_late_J += share * acted_late_N_.dot(way_m_);\n"
+         "    status_.given_by_design_J += work_masked_N_.dot(way_m_);\n",
+         "    status_.given_J += way_work_J_;\n"
+         "    status_.given_late_J += share * acted_late_N_.dot(way_m_);\n"),
+        ("has no delay", HISTORY, "return back(delay.whole);", "return back(0);"),
+        ("takes the older force for the newer one", HISTORY,
+         "delay.share * back(delay.whole + 1) + (1.0 - delay.share) * back(delay.whole)",
+         "(1.0 - delay.share) * back(delay.whole + 1) + delay.share * back(delay.whole)"),
+        ("is not that of the ticks without a sample", ENERGY,
+         "    const double share = 1.0 / acted_ticks_;\n", "    const double share = 1.0;\n"),
+    ],
+    "damping": [
+        ("is not given", ENERGY, "    force_N = limited(even_N + damping_N);\n", ""),
+        ("does not count", ENERGY, "    record.rules |= kRuleDamping;\n", ""),
+        ("is twice the largest", CONTROL, "return std::min(held_damping_, ",
+         "return std::min(20.0 * held_damping_, "),
+        ("takes a leak for none", CONTROL,
+         "account_J_ += leak_J - counted_damping_ * motion + correction_J;",
+         "account_J_ += -counted_damping_ * motion + correction_J;"),
+        ("counts no damping of the device", CONTROL,
+         "account_J_ += leak_J - counted_damping_ * motion + correction_J;",
+         "account_J_ += leak_J + correction_J;"),
+        ("knows no delay", CONTROL,
+         "const Vec3 late_N = forces_.acting_N(most_delay_);", "const Vec3 late_N = last_N;"),
+        ("pushes along the motion", CONTROL, "return -wanted_damping(along.norm()) * along;",
+         "return wanted_damping(along.norm()) * along;"),
+        ("never softens the contact", CONTROL,
+         "if (account_J_ > PassivityLimits::kSoften_J) {", "if (false) {"),
+    ],
+    "swing": [
+        ("is never seen", SWING, "swings = is_swing() &&", "swings = false &&"),
+        ("is seen in what dies down", SWING,
+         "sizes_N[0] > (1.0 - kLostShare) * sizes_N[kSteady - 1]", "true"),
+        ("needs no regular time", SWING, "return *most < kSteadyTime * *least;", "return true;"),
+        ("is seen in small ones", SWING, "&& sizes_N[0] > 2.0 * least_N", ""),
+        ("has no end", SWING, "    count = 0;\n    swings = false;\n", ""),
+    ],
+    "restart": [
+        ("withholds nothing", RESTART,
+         "  if (withheld_N_ == 0.0) return 1.0;\n", "  return 1.0;\n"),
+        ("gives all back after an interruption", RESTART,
+         "  if (was_interrupted_) return 0.0;\n", "  if (was_interrupted_) return 1e9;\n"),
+        ("has a tank without end", RESTART,
+         "store_J = std::max(0.0, store_J - ", "store_J = std::max(0.0, store_J - 0.0 * "),
+        ("gives back without end", RESTART,
+         "    returning_J_ = left_J + tick.owed_J;\n", ""),
+        ("does not follow a hand that retreats", RESTART,
+         "    withheld_N_ = std::min(withheld_N_, tick.spring_N);\n", ""),
+        ("forgets what a start held back", RESTART,
+         "    withheld_N_ = std::max(withheld_N_, (1.0 - tick.share) * tick.spring_N);\n", ""),
+        ("never gives back", RESTART, "    if (returning_N_ > 0.0) give_back(tick);\n", ""),
+        ("lets no node push", RESTART,
+         "  if (tick.nodes_moved) tank_J_ = std::min(kTank_J, tank_J_ + kNodePower_W * tick.step_s);\n",
+         ""),
+    ],
+    "budget": [
+        ("has no end", BUDGETS, "const double excess_J = std::max(0.0, -left_J);",
+         "const double excess_J = 0.0 * left_J;"),
+        ("has no power", BUDGETS, "+ budget.power_W * step_s - work_J", "- work_J"),
+        ("grows without end", BUDGETS,
+         "left_J_[n] = std::min(budget.tank_J, left_J + excess_J);",
+         "left_J_[n] = left_J + excess_J;"),
+        ("takes what the hand has put in for a gift", BUDGETS,
+         "  if (stored_J_ >= 0.0) return take(EnergySource::kOther, 0.0, work.step_s);\n", ""),
     ],
 }
 
@@ -248,7 +379,7 @@ class Copy:
     def __init__(self, root, build, folder):
         self.root, self.folder = root, folder
         self.options = {source: compile_options(build, root, source) for source in SOURCES}
-        for source in SOURCES + [SPEED, "haptics/safety_governor.h", "haptics/motor_limits.h"]:
+        for source in SOURCES + HEADERS:
             (folder / source).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(root / source, folder / source)
 
@@ -278,7 +409,7 @@ class Copy:
         return failed
 
     def link(self):
-        compiler, *options = self.options[TEST]
+        compiler, *options = self.options[TESTS[0]]
         program = self.folder / "governor_test"
         command = [compiler, *options, *map(self.object_of, SOURCES), "-lgtest_main", "-lgtest",
                    "-o", program]
@@ -296,7 +427,7 @@ class Copy:
         except subprocess.TimeoutExpired:
             return ["(no end)"]
         failed = [line.split("]")[1].split()[0].rstrip(",") for line in done.stdout.splitlines()
-                  if line.startswith("[  FAILED  ] SafetyGovernor.")]
+                  if line.startswith("[  FAILED  ] ") and "." in line]
         if done.returncode not in (0, 1) or (done.returncode == 1) != bool(failed):
             fail(f"the test ended with {done.returncode}; expected 0 or 1\n{done.stdout}"
                  f"{done.stderr}")

@@ -58,7 +58,8 @@ TEST(RecordTable, NamesEveryRuleOfTheGovernorFromBit0On) {
   EXPECT_EQ(names.size(), static_cast<std::size_t>(kGovernorRuleCount));
   EXPECT_FALSE(names.contains(""));
   EXPECT_EQ(kRuleBadSample, 1u << 0) << "the first one";
-  EXPECT_EQ(kRuleTripped, 1u << (kGovernorRuleCount - 1)) << "the last one";
+  EXPECT_EQ(kRuleRelease, 1u << (kGovernorRuleCount - 1)) << "the last one";
+  EXPECT_EQ(kRuleTripped, 1u << 12) << "recordings of before have it there";
 }
 
 // Programs and recordings of before find the members where they were.

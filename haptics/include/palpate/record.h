@@ -68,12 +68,17 @@ enum GovernorRule : std::uint32_t {
   kRuleWorkspace = 1u << 9,  // the device is outside its workspace
   kRuleEase = 1u << 10,      // the force returns after an interruption
   kRuleStart = 1u << 11,     // the force waits for a calm hand, or begins to grow
-  kRuleTripped = 1u << 12    // zero force until rearm()
+  kRuleTripped = 1u << 12,   // no force until rearm(), but for kRuleRelease
+  kRuleDamping = 1u << 13,   // the passivity controller has damped the motion
+  kRuleSoft = 1u << 14,      // damping did not suffice: the contact is less stiff
+  kRuleRestart = 1u << 15,   // the spring starts from what the hand has put in
+  kRuleHeat = 1u << 16,      // a motor is too warm for the force
+  kRuleRelease = 1u << 17    // after a trip, the force that resists the motion falls
 };
-inline constexpr int kGovernorRuleCount = 13;
+inline constexpr int kGovernorRuleCount = 18;
 inline constexpr std::array<std::string_view, kGovernorRuleCount> kGovernorRuleNames = {
-    "bad_sample", "motors", "peak",      "clamp", "slew",  "speed",  "stale",
-    "order",      "late",   "workspace", "ease",  "start", "tripped"};
+    "bad_sample", "motors", "peak",  "clamp",   "slew",    "speed", "stale",   "order", "late",
+    "workspace",  "ease",   "start", "tripped", "damping", "soft",  "restart", "heat",  "release"};
 static_assert(kGovernorRuleCount <= 32);
 
 // Each of these faults means that a tick has no usable position or time step. The sample of such a

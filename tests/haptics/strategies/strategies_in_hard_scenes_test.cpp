@@ -305,7 +305,8 @@ TEST_P(StrategiesInHardScenes, NeverLetTheProxyThrough) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, StrategiesInHardScenes,
-                         testing::Values("none", "mask", "full", "a4", "a4-anticipate", "cd",
+                         testing::Values("none", "mask", "full", "a4", "a4-anticipate",
+                                         "a4-passive:0", "a4-passive:10", "cd",
                                          "anisotropic:0.0625", "anisotropic:0.25",
                                          "anisotropic:0.5", "anisotropic:1", "anisotropic:2",
                                          "anisotropic:4", "anisotropic:16"),

@@ -13,6 +13,7 @@
 #include "haptics/check_settings.h"
 #include "haptics/haptic_loop.h"
 #include "haptics/record_vectors.h"
+#include "haptics/strategies/a4_passive.h"
 #include "haptics/strategies/anisotropic.h"
 #include "tests/helpers/made.h"
 #include "tests/helpers/random.h"
@@ -52,6 +53,15 @@ TEST(StrategyNames, AreReadAndWritten) {
   EXPECT_EQ(strategy("anisotropic:4"), (Strategy{&kAnisotropicStrategy, 4.0}));
   EXPECT_EQ(strategy("anisotropic:+2.5e-1"), (Strategy{&kAnisotropicStrategy, 0.25}));
   EXPECT_EQ(name_of({&kAnisotropicStrategy, 1.0 / 16}), "anisotropic:0.0625");
+  EXPECT_EQ(strategy("a4-passive:0"), (Strategy{&kA4PassiveStrategy, 0.0}));
+  EXPECT_EQ(strategy("a4-passive:2.5"), (Strategy{&kA4PassiveStrategy, 2.5}));
+}
+
+TEST(StrategyNames, MayLeaveOutANumberThatTheirTypeStates) {
+  EXPECT_EQ(strategy("a4-passive"), (Strategy{&kA4PassiveStrategy, 10.0}));
+  EXPECT_EQ(name_of(strategy("a4-passive")), "a4-passive:10");
+  EXPECT_EQ(name_with_symbol(kA4PassiveStrategy), "a4-passive[:mJ]");
+  EXPECT_EQ(name_with_symbol(kAnisotropicStrategy), "anisotropic:E");
 }
 
 TEST(StrategyNames, KeepEveryBitOfTheAnisotropy) {
@@ -76,11 +86,30 @@ TEST(StrategyNames, AreReadAlikeInEveryLocale) {
 }
 
 TEST(StrategyNames, AreRefusedWithTheReason) {
-  for (const char* name :
-       {"", "Mask", "mask ", "a4_anticipate", "anisotropic", "anisotropic:", "anisotropic:0",
-        "anisotropic:-1", "anisotropic:0.062", "anisotropic:16.1", "anisotropic:nan",
-        "anisotropic:inf", "anisotropic:0x1p0", "anisotropic:1 ", "anisotropic: 1",
-        "anisotropic:1;", "anisotropic:+-1", "anisotropic:1e999", "anisotropic:2e"}) {
+  for (const char* name : {"",
+                           "Mask",
+                           "mask ",
+                           "a4_anticipate",
+                           "anisotropic",
+                           "anisotropic:",
+                           "anisotropic:0",
+                           "anisotropic:-1",
+                           "anisotropic:0.062",
+                           "anisotropic:16.1",
+                           "anisotropic:nan",
+                           "anisotropic:inf",
+                           "anisotropic:0x1p0",
+                           "anisotropic:1 ",
+                           "anisotropic: 1",
+                           "anisotropic:1;",
+                           "anisotropic:+-1",
+                           "anisotropic:1e999",
+                           "anisotropic:2e",
+                           "a4-passive:",
+                           "a4-passive:-1",
+                           "a4-passive:1001",
+                           "a4-passive:1mJ",
+                           "a4-passive[:mJ]"}) {
     const auto parsed = parse_strategy(name);
     ASSERT_FALSE(parsed) << name;
     EXPECT_EQ(parsed.error().element, "strategy");
@@ -179,7 +208,7 @@ TEST(Strategies, OfAnisotropyOneEqualMaskButForTheFullForce) {
 // Every other strategy differs from mask, so that the tests above cannot pass by chance.
 TEST(Strategies, WithAStepOfTheirOwnDifferFromMask) {
   const OwnedWorld world(test::box_soup(Vec3::Constant(0.1)));
-  for (const char* name : {"a4-anticipate", "anisotropic:4", "cd"}) {
+  for (const char* name : {"a4-anticipate", "a4-passive:10", "anisotropic:4", "cd"}) {
     Random random(23);
     const ActuationModel device = *ActuationModel::from_axes(3, {Vec3(0.6, 0.8, 0.0)});
     auto a = test::made(HapticLoop::create(world.world(), device, settings_of(strategy(name))));
