@@ -94,6 +94,16 @@ std::uint64_t BoardTerminal::set_ups() const {
   return board_.set_ups();
 }
 
+PortAccount BoardTerminal::account() const {
+  const std::lock_guard lock(mutex_);
+  return board_.plant().tip().account();
+}
+
+ProbeResult BoardTerminal::probes() const {
+  const std::lock_guard lock(mutex_);
+  return board_.plant().probes();
+}
+
 void BoardTerminal::hang_up() {
   ends_ = true;
   if (thread_.joinable()) thread_.join();

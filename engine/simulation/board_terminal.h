@@ -36,6 +36,9 @@ class BoardTerminal {
   std::vector<BoardCommand> log() const;
   std::uint64_t commands() const;
   std::uint64_t set_ups() const;
+  // The plant's account and what its probes have found (PantographSettings::hand_probes).
+  PortAccount account() const;
+  ProbeResult probes() const;
 
  private:
   BoardTerminal(int descriptor, std::string path, const BoardSettings& settings);

@@ -28,6 +28,17 @@ HapiBoard::HapiBoard(const BoardSettings& settings)
     : settings_(settings), plant_(settings.plant, rest_tip(settings)) {}
 
 void HapiBoard::advance(std::int64_t now_ns) {
+  while (!to_firmware_.empty() && to_firmware_.front().due_ns <= now_ns) {
+    const DueByte next = to_firmware_.front();
+    to_firmware_.pop_front();
+    move_to(next.due_ns);
+    take_byte(next.byte, next.due_ns);
+  }
+  move_to(now_ns);
+}
+
+// Moves device and hand on, while the motors have the torques of the firmware.
+void HapiBoard::move_to(std::int64_t now_ns) {
   if (!has_time_) time_ns_ = now_ns;
   has_time_ = true;
   const double limit = settings_.largest_torque;
@@ -53,10 +64,20 @@ void HapiBoard::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns
   advance(now_ns);
   if (has_hung_up(now_ns)) return;
   for (const std::uint8_t byte : bytes) {
-    const HapiFirmware::Event event = firmware_.receive(byte, joints_deg());
-    if (event == HapiFirmware::Event::kSetUp) ++set_ups_;
-    if (event == HapiFirmware::Event::kTick) answer(now_ns);
+    if (settings_.line_ns > 0) {
+      to_firmware_.push_back({now_ns + settings_.line_ns, byte});
+    } else {
+      take_byte(byte, now_ns);
+    }
   }
+}
+
+void HapiBoard::take_byte(std::uint8_t byte, std::int64_t now_ns) {
+  const HapiFirmware::Event event = firmware_.receive(byte, joints_deg());
+  if (event == HapiFirmware::Event::kSetUp) ++set_ups_;
+  if (event != HapiFirmware::Event::kTick) return;
+  plant_.begin_probes();
+  answer(now_ns);
 }
 
 void HapiBoard::log_command(std::span<const std::uint8_t> answer, std::int64_t now_ns) {
@@ -78,7 +99,7 @@ void HapiBoard::log_command(std::span<const std::uint8_t> answer, std::int64_t n
 void HapiBoard::answer(std::int64_t now_ns) {
   std::vector<std::uint8_t> bytes = firmware_.answer(joints_deg());
   log_command(bytes, now_ns);
-  std::vector<std::int64_t> due_ns(bytes.size(), now_ns + settings_.answer_ns);
+  std::vector<std::int64_t> due_ns(bytes.size(), now_ns + settings_.answer_ns + settings_.line_ns);
   for (const BoardFault& fault : faults_) {
     if (!acts_at(fault, now_ns)) continue;
     const bool has_byte = fault.byte < bytes.size();
@@ -123,8 +144,12 @@ std::size_t HapiBoard::take_answer(std::span<std::uint8_t> bytes, std::int64_t n
 }
 
 std::optional<std::int64_t> HapiBoard::next_due_ns() const {
-  if (to_host_.empty()) return std::nullopt;
-  return to_host_.front().due_ns;
+  std::optional<std::int64_t> next_ns;
+  for (const auto* bytes : {&to_host_, &to_firmware_}) {
+    if (!bytes->empty())
+      next_ns = std::min(next_ns.value_or(bytes->front().due_ns), bytes->front().due_ns);
+  }
+  return next_ns;
 }
 
 bool HapiBoard::has_hung_up(std::int64_t now_ns) const {

@@ -21,6 +21,7 @@ struct BoardSettings {
   double torque_per_Nm = 1.0;        // what the board's numbers mean
   double largest_torque = 0.123;     // the firmware limits numbers to this, in its own unit
   std::int64_t answer_ns = 300'000;  // from the end of a message to its answer
+  std::int64_t line_ns = 0;          // each way: what the line delays messages and answers by
   // The log keeps at least this many of the newest commands. 0: all.
   std::size_t kept_commands = 0;
 };
@@ -63,11 +64,11 @@ class HapiBoard {
 
   // Moves device and hand on.
   void advance(std::int64_t now_ns);
-  // Bytes from the host.
+  // Bytes from the host; they reach the firmware after BoardSettings::line_ns.
   void receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns);
   // Moves bytes that are due to the host into `bytes`; returns their number.
   std::size_t take_answer(std::span<std::uint8_t> bytes, std::int64_t now_ns);
-  // When the next byte to the host is due; no value if there is none.
+  // When the next byte to the host, or to the firmware, is due; no value if there is none.
   std::optional<std::int64_t> next_due_ns() const;
   bool has_hung_up(std::int64_t now_ns) const;
 
@@ -84,6 +85,8 @@ class HapiBoard {
     std::int64_t due_ns = 0;
     std::uint8_t byte = 0;
   };
+  void move_to(std::int64_t now_ns);
+  void take_byte(std::uint8_t byte, std::int64_t now_ns);
   HapiFirmware::Joints joints_deg() const;
   void answer(std::int64_t now_ns);
   void log_command(std::span<const std::uint8_t> answer, std::int64_t now_ns);
@@ -93,6 +96,7 @@ class HapiBoard {
   HapiFirmware firmware_;
   std::vector<BoardFault> faults_;
   std::deque<DueByte> to_host_;
+  std::deque<DueByte> to_firmware_;  // of a line with a delay
   std::vector<BoardCommand> log_;
   std::uint64_t commands_ = 0;
   std::uint64_t set_ups_ = 0;

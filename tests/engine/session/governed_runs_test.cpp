@@ -170,7 +170,8 @@ TEST(GovernedRuns, AfterItsStartADeviceWithMotorsGetsTheBitsOfTheLoopAlone) {
     HapticSettings settings;
     settings.god_object.radius_m = run % 3 == 0 ? 5e-3 : 0.0;
     // Weaker than 5 N, which the rule slew permits from zero in a tick.
-    settings.coupling.stiffness_N_per_m = random.uniform(4.0, 10.0);
+    // So weak that the work of the missing motors stays within its budget.
+    settings.coupling.stiffness_N_per_m = random.uniform(0.4, 1.0);
     settings.a4.enabled = random.index(2) == 0;
     const ActuationModel actuation = *ActuationModel::from_axes(sensors, motors);
     auto governed = test::made(HapticLoop::create(world.world(), actuation, settings));
@@ -252,7 +253,7 @@ TEST(GovernedRuns, AfterItsStartABoardGetsTheTorquesOfTheLoopAlone) {
     const Vec3 middle_m = Vec3(face_m.x(), face_m.y(), 0.0) + 0.05 * inward;
     const OwnedWorld world(test::box_soup(Vec3::Constant(0.05)), {rotation, middle_m});
     HapticSettings settings;
-    settings.coupling.stiffness_N_per_m = random.uniform(100.0, 400.0);
+    settings.coupling.stiffness_N_per_m = random.uniform(30.0, 130.0);  // stable (kBareTip)
     settings.a4.enabled = false;
     auto governed =
         test::made(HapticLoop::create(world.world(), actuation_of(device.motors_now()), settings));

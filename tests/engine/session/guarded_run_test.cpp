@@ -27,8 +27,8 @@
 namespace palpate {
 namespace {
 
-// A device that stays at one position, whose port is a pipe. It refuses to start, or kills its
-// guard, on request, and keeps what it is told.
+// A device that stays at one position, whose port is a pipe. It refuses to start, or sends a signal
+// to its guard, on request, and keeps what it is told.
 class PipeDevice final : public GuardableDevice {
  public:
   PipeDevice() {
@@ -51,6 +51,7 @@ class PipeDevice final : public GuardableDevice {
   std::optional<std::string> start() override {
     calls.emplace_back("start");
     if (++starts_ == refused_start) return "the port of the test is missing";
+    if (starts_ == 2 && signal_at_start != 0) send_to_guard(signal_at_start);
     return std::nullopt;
   }
   DeviceSample read(double) noexcept override {
@@ -72,23 +73,31 @@ class PipeDevice final : public GuardableDevice {
   }
   void set_guard(WriteGuard* guard) noexcept override {
     calls.emplace_back(guard != nullptr ? "guard" : "no guard");
-    const auto* process = dynamic_cast<MotorGuard*>(guard);
-    if (!kills_guard || process == nullptr) return;
-    ::kill(process->process(), SIGKILL);
-    while (guard->is_alive(monotonic_ns()))
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    guard_ = dynamic_cast<MotorGuard*>(guard);
+    if (guard_ != nullptr && signal_before_arming != 0) send_to_guard(signal_before_arming);
   }
   std::string summary() const override { return ""; }
+  LineRate line_rate() const override { return line; }
 
+  LineRate line;
   double height_m = 1.0;
   int refused_start = 0;  // 1: the first one
   bool has_port = true;
   bool has_zero = true;
-  bool kills_guard = false;
+  int signal_before_arming = 0;
+  int signal_at_start = 0;  // of the session
   std::atomic<bool> has_pushed{false};
   std::vector<std::string> calls;  // not those of the haptic thread in a tick
 
+  // A stopped guard is not waited for.
+  void send_to_guard(int signal) {
+    ::kill(guard_->process(), signal);
+    while (signal == SIGKILL && guard_->is_alive())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
  private:
+  MotorGuard* guard_ = nullptr;
   DeviceDescription description_;
   std::array<int, 2> pipe_ = {-1, -1};
   int starts_ = 0;
@@ -181,10 +190,40 @@ TEST(GuardedRun, AGuardThatCannotStartEndsTheStart) {
 
 TEST(GuardedRun, AGuardThatEndsBeforeItIsArmedEndsTheStart) {
   GuardedRig rig;
-  rig.device.kills_guard = true;
+  rig.device.signal_before_arming = SIGKILL;
   EXPECT_EQ(rig.problem().find("palpate-guard: has ended or does not answer"), 0u);
   EXPECT_EQ(rig.device.calls, (std::vector<std::string>{"start", "guard", "stop at zero"}));
   rig.expect_undone();
+}
+
+TEST(GuardedRun, AGuardThatIsFrozenBeforeItIsArmedEndsTheStart) {
+  GuardedRig rig;
+  rig.device.signal_before_arming = SIGSTOP;
+  EXPECT_EQ(rig.problem().find("palpate-guard: is frozen: it does not run"), 0u);
+  EXPECT_EQ(rig.device.calls, (std::vector<std::string>{"start", "guard", "stop at zero"}));
+  rig.expect_undone();
+}
+
+// The device sees it, and asks for a trip (hapi_link_test.cpp). The end says how the guard ended.
+TEST(GuardedRun, AGuardThatFailsLaterIsToldAtTheEnd) {
+  for (const bool starts : {true, false}) {
+    for (const int signal : {SIGKILL, SIGSTOP}) {
+      GuardedRig rig;
+      if (starts) rig.device.signal_at_start = signal;
+      ASSERT_EQ(rig.problem(), "");
+      const std::int64_t begin_ns = monotonic_ns();
+      if (!starts) rig.device.send_to_guard(signal);
+      const pid_t guard = rig.run->guard()->process();
+      rig.run->stop();
+      EXPECT_LT(monotonic_ns() - begin_ns, 5 * kSecond_ns);  // not its two waits, 7 s
+      EXPECT_FALSE(is_running(guard));
+      EXPECT_EQ(rig.device.calls.back(), "stop at zero");
+      ASSERT_FALSE(rig.run->warnings().empty());
+      const std::string expected =
+          signal == SIGKILL ? "palpate-guard: has ended" : "palpate-guard: is frozen";
+      EXPECT_EQ(rig.run->warnings().back().find(expected), 0u) << rig.run->warnings().back();
+    }
+  }
 }
 
 TEST(GuardedRun, ASessionThatCannotStartEndsTheStart) {
@@ -238,6 +277,31 @@ TEST(GuardedRun, WithoutRealtimeStartsWhereSchedFifoIsRefused) {
     EXPECT_FALSE(rig.run->has_fifo());
     EXPECT_FALSE(rig.run->warnings().empty());
   });
+}
+
+// The device is open then, so that its line is measured, and has got no force.
+TEST(GuardedRun, RefusesSlowTicksAndASlowLine) {
+  GuardedRig ticks;
+  ticks.settings.thread.rate_Hz = 249.0;
+  EXPECT_EQ(ticks.problem().find("rate_Hz: is 249 Hz; expected at least 250"), 0u);
+  EXPECT_EQ(ticks.device.calls, (std::vector<std::string>{"start", "stop at zero"}));
+  ticks.expect_undone();
+  GuardedRig line;
+  line.device.line.asked_Hz = 1000.0;
+  line.device.line.at_start_Hz = 200.0;
+  EXPECT_EQ(line.problem().find("a device of a test: reaches only 200 of 1000 messages"), 0u);
+  line.expect_undone();
+}
+
+TEST(GuardedRun, WarnsOfASlowLine) {
+  GuardedRig rig;
+  rig.device.line.asked_Hz = 1000.0;
+  rig.device.line.at_start_Hz = 320.0;
+  EXPECT_EQ(rig.problem(), "");
+  const auto& warnings = rig.run->warnings();
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning == "the line to the device reaches only 320 of 1000 messages per second";
+  }));
 }
 
 TEST(GuardedRun, WithoutAGuardItWarns) {

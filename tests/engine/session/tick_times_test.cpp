@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/session/reached_timing.h"
+#include "haptics/device_mechanics.h"
 #include "tests/helpers/random.h"
 
 namespace palpate {
@@ -99,8 +100,9 @@ TEST(LateTickLog, KeepsTheFirstOnes) {
   EXPECT_EQ(log.ticks().back().tick, LateTickLog::kMost - 1);
 }
 
-// The oracle is the first-order form of the limits: both depend on T / 2 + D.
-TEST(ReachedTiming, ADelayLowersTheLimitsAsALongerPeriodDoes) {
+// The oracle is the closed form of the limits: to first order, T / 2 + D; exactly, with h = 1 / 2 +
+// D / T and the part p of D / T, (h + sqrt(h^2 + p (1 - p))) T / 2.
+TEST(ReachedTiming, TheDelayLowersTheLimits) {
   RunSettings settings;
   settings.device.damping_Ns_per_m = 2.0;
   settings.device.encoder_quantum_m = 0.0;
@@ -115,11 +117,37 @@ TEST(ReachedTiming, ADelayLowersTheLimitsAsALongerPeriodDoes) {
   ASSERT_TRUE(timing) << timing.error().to_string();
   EXPECT_NEAR(static_cast<double>(timing->period_ns), 1e6, 1e6 / 32);
   EXPECT_NEAR(static_cast<double>(timing->delay_ns), 2e5, 2e5 / 32);
-  const double half_s = 1e-9 * static_cast<double>(timing->period_ns) / 2.0;
-  const double expected =
-      settings.device.damping_Ns_per_m / (half_s + 1e-9 * static_cast<double>(timing->delay_ns));
-  EXPECT_NEAR(timing->limits.passive_N_per_m, expected, 1e-12 * expected);
-  EXPECT_NEAR(timing->limits.stable_first_order_N_per_m, expected, 1e-12 * expected);
+  EXPECT_EQ(timing->to_force_s, 1e-9 * static_cast<double>(timing->delay_ns));
+  const double period_s = 1e-9 * static_cast<double>(timing->period_ns);
+  const double part = timing->to_force_s / period_s;  // below one tick
+  const double mean = 0.5 + part;
+  const double held_s = 0.5 * (mean + std::sqrt(mean * mean + part * (1.0 - part))) * period_s;
+  const double damping = settings.device.damping_Ns_per_m;
+  EXPECT_NEAR(timing->limits.passive_N_per_m * held_s / damping, 1.0, 1e-12);
+  EXPECT_NEAR(timing->limits.stable_first_order_N_per_m * mean * period_s / damping, 1.0, 1e-12);
+}
+
+// A device's own delay includes that of the host, so the longer one counts. A device that moves
+// motors and states no numbers has those of its class.
+TEST(ReachedTiming, TheLongerOfTheDevicesDelayAndThatOfTheTicksCounts) {
+  auto setup = make_setup(RunSettings{});
+  ASSERT_TRUE(setup) << setup.error().to_string();
+  TickTimes times;
+  for (int n = 0; n < 100; ++n) {
+    times.period.add(1'000'000);
+    times.delay.add(200'000);
+  }
+  const auto of = [&](DelayInterval delay) {
+    setup->device.delay = delay;
+    return reached_timing(*setup, times)->to_force_s;
+  };
+  EXPECT_NEAR(of({}), 2e-4, 2e-4 / 32);
+  EXPECT_NEAR(of({0.0, 1e-4}), 2e-4, 2e-4 / 32);
+  EXPECT_EQ(of({1e-3, 3e-3}), 3e-3);
+  setup->device.moves_motors = true;
+  setup->device.mass_kg = setup->device.damping_Ns_per_m = 0.0;
+  EXPECT_EQ(of({}), kBareTip.delay.most_s);
+  EXPECT_GT(reached_timing(*setup, times)->limits.stable_N_per_m, 0.0);
 }
 
 TEST(TickMeter, MeasuresTheComputingOfThisThread) {
