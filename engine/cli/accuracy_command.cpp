@@ -25,6 +25,7 @@
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_options.h"
 #include "engine/cli/scene_options.h"
+#include "engine/devices/stiffness_zones.h"
 #include "engine/report/human_units.h"
 #include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
@@ -34,9 +35,14 @@ namespace {
 
 constexpr const char* kSceneOptionsGroup = "With a SCENE";
 
+// The longest delay that stability_limits() takes at the highest rate that the report tries, 32
+// kHz.
+constexpr NumberRange kWallDelay_s{0.0, ServoTiming::kMostDelayTicks / 32e3};
+
 struct AccuracyRequest {
   SceneOptions scene;  // an empty path: no scene
   RunSettings settings;
+  double delay_s = 0.0;            // from a sample of the device to its force; 0: none
   std::vector<std::string> knobs;  // only these knobs; empty: all
   bool quick = false;
   std::uint64_t seed = 1;
@@ -75,8 +81,9 @@ Result<std::vector<Knob>> chosen_knobs(const MeasurementEffort& effort,
 
 // Checks the numbers of the device; an error names the option.
 std::optional<Error> check_device(const RunSetup& setup) {
-  const auto limits = stability_limits(DeviceMechanics::of(setup.device),
-                                       setup.haptics.coupling.damping_Ns_per_m, {setup.dt_s, 0});
+  const auto limits =
+      stability_limits(wall_mechanics(setup.device), setup.haptics.coupling.damping_Ns_per_m,
+                       {setup.dt_s, wall_delay_s(setup.device)});
   if (limits) return std::nullopt;
   Error error = limits.error();
   constexpr std::pair<const char*, const char*> kOptions[] = {
@@ -128,15 +135,16 @@ Result<SceneFindings> measure_findings(const Scene& scene, const AccuracyRequest
       measure_scene(scene, setup, effort, [&](double share) { bar.show(share); });
   if (!measured) return measured.error();
   findings.measured = std::move(*measured);
-  const auto verdicts = judge_couplings(couplings_of(scene, setup.haptics.coupling), setup.device,
-                                        {setup.dt_s, 0}, findings.measured.deepest_m);
+  const auto verdicts =
+      judge_couplings(couplings_of(scene, setup.haptics.coupling), setup.device,
+                      {setup.dt_s, wall_delay_s(setup.device)}, findings.measured.deepest_m);
   if (!verdicts) return verdicts.error();
   findings.verdicts = *verdicts;
   for (const double rate_Hz :
        rates_kept_Hz(findings.measured.kept_rate, command.settings.rate_Hz)) {
     const auto limits =
-        stability_limits(DeviceMechanics::of(setup.device), setup.haptics.coupling.damping_Ns_per_m,
-                         {1.0 / rate_Hz, 0});
+        stability_limits(wall_mechanics(setup.device), setup.haptics.coupling.damping_Ns_per_m,
+                         {1.0 / rate_Hz, wall_delay_s(setup.device)});
     if (!limits) return limits.error();
     findings.by_rate.push_back({rate_Hz, *limits});
   }
@@ -318,7 +326,9 @@ std::string knobs_text(const std::vector<KnobResult>& results) {
 }
 
 int accuracy(const AccuracyRequest& command) {
-  const Result<RunSetup> setup = make_setup(command.settings);
+  RunSettings settings = command.settings;
+  settings.device.delay = {command.delay_s, command.delay_s};
+  const Result<RunSetup> setup = make_setup(settings);
   if (!setup) return refuse(setup.error());
   if (const auto error = check_device(*setup)) return refuse(*error);
   const MeasurementEffort effort{command.quick, command.seed};
@@ -410,6 +420,10 @@ CLI::App* AccuracyCommand::add_to(CLI::App& program) {
     const RunSetting& setting = run_setting(name);
     add_setting(app, setting, run, help_of(setting))->group(kDeviceGroup);
   }
+  add_real(app, "--device-delay", request_.delay_s, kWallDelay_s,
+           "longest time from a sample of the device to the force that answers it, s; it lowers "
+           "the limits of the stiffness, and the simulated hand does not have it")
+      ->group(kDeviceGroup);
   add_real(app, "--encoder-quantum", run.device.encoder_quantum_m, kZeroOrMore,
            "step of the device's encoders, m; 0 for exact positions")
       ->group(kDeviceGroup);

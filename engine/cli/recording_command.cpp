@@ -181,6 +181,12 @@ std::string events_text(const RecordingDescription& d) {
   return text.str();
 }
 
+// The reason of --allow-unstable; null: the session did not have it.
+const std::string* allowed_unstable(const RecordingDescription& d) {
+  const auto found = d.meta.find("allow_unstable");
+  return found == d.meta.end() ? nullptr : std::get_if<std::string>(&found->second);
+}
+
 // With_keys: also every key of the settings.
 std::string info_text(const RecordingReader& reader, const RecordingDescription& d,
                       bool with_keys) {
@@ -190,6 +196,9 @@ std::string info_text(const RecordingReader& reader, const RecordingDescription&
   SummaryLines lines;
   add_session(d, lines);
   if (const EventRow* inside = start_inside_of(d)) lines.add("start", inside->detail);
+  if (const std::string* reason = allowed_unstable(d)) {
+    lines.add("stiffness", "unstable, and allowed, because: " + printable(*reason));
+  }
   lines.add("gaps", gap_words(d.overview));
   lines.add("trips", event_words(d, "trip"));
   const auto session = session_of(d.meta);

@@ -284,6 +284,7 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
   add_scene(app, request_.scene, true);
   add_settings(app, request_.options, SettingGroup::kScene);
   request_.options.states_quantum = true;
+  request_.options.knows_auto_stiffness = true;
   add_settings(app, request_.options, SettingGroup::kDevice);
   ExplorationSettings& hand = request_.exploration;
   add_settings(app, request_.options, SettingGroup::kWorkspace);

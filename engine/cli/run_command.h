@@ -23,6 +23,8 @@ struct DeviceRequest {
   bool without_realtime = false;
   std::optional<std::uint64_t> cpu;
   bool stays_inside = false;  // see DeviceRunSettings
+  // Why the person allows a stiffness that no damping holds; no value: it is refused.
+  std::optional<std::string> allow_unstable;
 };
 
 struct RunRequest {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <iostream>
+#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -13,12 +14,14 @@
 #include "engine/cli/device_report.h"
 #include "engine/cli/effects_report.h"
 #include "engine/cli/number_option.h"
+#include "engine/cli/open_device.h"
 #include "engine/cli/option_names.h"
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_report.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/run_stiffness.h"
 #include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
@@ -37,8 +40,8 @@ constexpr std::array kHandOptions = {
     "--device-mass",     "--device-damping", "--device-friction",
     "--encoder-quantum",
 };
-constexpr std::array kMotorOptions = {"--no-guard", "--without-realtime", "--cpu",
-                                      "--start-inside"};
+constexpr std::array kMotorOptions = {"--no-guard", "--without-realtime", "--cpu", "--start-inside",
+                                      "--allow-unstable"};
 
 std::string device_workspace_text(const DeviceDescription& device) {
   std::ostringstream text;
@@ -86,6 +89,7 @@ nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const Device
   nlohmann::ordered_json json{{"interrupted", signal_flag().requested()}};
   json["tripped"] = run.governor.trips > 0;
   json["device"] = device_json(facts, run);
+  json["stiffness"] = facts.stiffness ? stiffness_json(*facts.stiffness) : nlohmann::ordered_json();
   json["start_inside"] = start_inside_json(prepared.scene, run.start_inside);
   json["plane_height_m"] = prepared.setup.haptics.plane_height_m;
   json["scale"] = prepared.scene.statistics().scale;
@@ -100,7 +104,7 @@ nlohmann::ordered_json run_on_device_json(const DeviceFacts& facts, const Device
 std::string timing_text(const RunSetup& setup, const TickTimes& times) {
   const std::string reached = reached_timing_text(setup, times);
   if (reached.empty()) return reached;
-  return reached + "that delay ends at the driver; these limits leave out the line to the device\n";
+  return reached + "the delay of the ticks ends at the driver\n";
 }
 
 // What ended the run before its time; empty if nothing did.
@@ -112,11 +116,12 @@ std::string ending_line(const DeviceRun& run) {
   return {};
 }
 
+// lost: why the trace was not written. The results are printed all the same: a person made them.
 int report_run(const RunRequest& request, const PreparedRun& prepared, const DeviceFacts& facts,
                const DeviceRun& run, const ExplorationRun& shown,
-               const std::vector<RecordingResult>& recordings) {
+               const std::vector<RecordingResult>& recordings, const std::optional<Error>& lost) {
   std::vector<std::string> warnings = load_warning_lines(prepared.scene);
-  for (const std::string& warning : device_warnings(run)) warnings.push_back(warning);
+  for (const std::string& warning : device_warnings(facts, run)) warnings.push_back(warning);
   for (const std::string& line : recording_warnings(recordings)) warnings.push_back(line);
   const std::string ending = ending_line(run);
   if (!ending.empty()) std::cerr << "palpate: " << ending;
@@ -125,27 +130,31 @@ int report_run(const RunRequest& request, const PreparedRun& prepared, const Dev
   } else {
     const std::string workspace = device_workspace_text(request.options.settings.device);
     std::cout << ending << run_heading(request, prepared, workspace)
+              << (facts.stiffness ? stiffness_text(*facts.stiffness) : std::string())
               << runs_text({shown}, prepared.scene) << timing_text(prepared.setup, run.tick_times)
-              << device_text(facts, run) << "trace in " << request.out_dir << "/\n";
+              << device_text(facts, run);
+    if (!lost) std::cout << "trace in " << request.out_dir << "/\n";
     for (const RecordingResult& recording : recordings) std::cout << recording_text(recording);
   }
-  const int code = finish_output(warnings);
+  const int finished = finish_output(warnings);
+  const int code = lost ? refuse(*lost) : finished;
   return exit_code_after_signals(code == 0 && run.governor.trips > 0 ? kTripped : code);
 }
 
 int run_prepared(const RunRequest& request, const PreparedRun& prepared, GuardableDevice& device,
-                 DeviceRunSettings settings) {
+                 DeviceRunSettings settings, const std::optional<RunStiffness>& stiffness) {
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   Result<OutputFiles> files = OutputFiles::create(request.out_dir, run_file_names());
   if (!files) return refuse(files.error());
-  auto recorder =
-      make_recorder(request.record, request.scene, prepared.scene, prepared.setup, false);
+  auto recorder = make_recorder(request.record, request.scene, prepared.scene, prepared.setup,
+                                false, request.device.allow_unstable.value_or(""));
   if (!recorder) return refuse(recorder.error());
   settings.sink = recorder->get();
   settings.on_start_inside = [&, tell = std::move(settings.on_start_inside)](const auto& status) {
     tell(status);
     record_start_inside(recorder->get(), prepared.scene, status);
   };
+  if (stiffness) tell_stiffness(*stiffness);
   Result<DeviceRun> run = [&] {
     ProgressBar bar(request.a4 == A4Runs::kOn ? "with A4" : "without A4", settings.seconds);
     return run_device(
@@ -163,13 +172,15 @@ int run_prepared(const RunRequest& request, const PreparedRun& prepared, Guardab
   if (run->records.empty()) return report_nothing_done();
   const bool a4 = prepared.setup.haptics.a4.enabled;
   const ExplorationRun shown = without_path(*run, a4);
+  std::optional<Error> lost;
   if (auto error = write_trace(files->path(trace_name(a4)), shown.records)) {
-    return refuse(files->in_place(*error));
+    lost = files->in_place(*error);
+  } else {
+    lost = move_into_place(*files);
   }
-  if (const auto error = move_into_place(*files)) return refuse(*error);
-  const DeviceFacts facts{device.description().name, request.device.text, device.summary(),
-                          settings.has_guard, settings.without_realtime};
-  return report_run(request, prepared, facts, *run, shown, recordings);
+  const DeviceFacts facts{device.description(), request.device.text,       device.summary(),
+                          settings.has_guard,   settings.without_realtime, stiffness};
+  return report_run(request, prepared, facts, *run, shown, recordings, lost);
 }
 
 }  // namespace
@@ -191,6 +202,11 @@ void add_motors(CLI::App& app, DeviceRequest& device) {
                    "if the hand begins inside a closed surface: leave, no force until it has left; "
                    "or stay, it feels the surface from inside, as in a room")
       ->group(kMotorGroup);
+  app.add_option("--allow-unstable", device.allow_unstable,
+                 "use a stiffness that no damping holds on this device, for this reason, which the "
+                 "recording keeps")
+      ->type_name("REASON")
+      ->group(kMotorGroup);
   app.add_flag("--no-guard", device.no_guard,
                "for tests: start no process that stops the motors when the program hangs or ends")
       ->group(kMotorGroup);
@@ -202,6 +218,9 @@ std::optional<Error> check_device_options(const RunRequest& request, const IsGiv
       if (is_given(option)) {
         return invalid_argument(option, "is given alone; expected --device beside it");
       }
+    }
+    if (request.options.has_auto_stiffness) {
+      return invalid_argument("--stiffness", "is auto; expected a number without --device");
     }
     return std::nullopt;
   }
@@ -236,6 +255,7 @@ void describe_device(const DeviceDescription& device, const IsGiven& is_given,
   settings.default_actuators = device.motor_count;
   if (device.encoder_quantum_m > 0.0) settings.encoder_quantum_m = device.encoder_quantum_m;
   if (!is_given("--rate")) settings.rate_Hz = device.rate_Hz;
+  if (!is_given("--stiffness")) request.options.has_auto_stiffness = true;
   settings.haptics.a4.enabled = request.a4 == A4Runs::kOn;
 }
 
@@ -255,12 +275,17 @@ int run_on_device(RunRequest request, const IsGiven& is_given) {
                                                     ", the number of sensors of the device"));
   }
   describe_device(description, is_given, request);
-  const Result<PreparedRun> prepared = prepare_run(request);
+  Result<PreparedRun> prepared = prepare_run(request);
   if (!prepared) return refuse(with_path(prepared.error(), request.scene.path));
   if (const auto error = check_motors(request.options.settings.strategy, prepared->setup.device)) {
     return refuse(*error);
   }
-  return run_prepared(request, *prepared, **device, settings_of(request, *prepared, is_given));
+  OpenDevice open(**device);
+  if (const auto error = open.start()) return refuse(*error);
+  const auto stiffness = choose_stiffness(request, **device, *prepared);
+  if (!stiffness) return refuse(stiffness.error());
+  return run_prepared(request, *prepared, **device, settings_of(request, *prepared, is_given),
+                      *stiffness);
 }
 
 }  // namespace palpate

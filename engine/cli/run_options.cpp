@@ -94,6 +94,26 @@ CLI::Option* add_work_budget(CLI::App& app, RunSettings& settings, const std::st
       ->type_name("INTEGER|auto");
 }
 
+// A number, or `auto`, with which the number stays as it is.
+CLI::Option* add_stiffness(CLI::App& app, RunOptions& options, const std::string& help) {
+  double& stiffness = options.settings.haptics.coupling.stiffness_N_per_m;
+  const auto read = [&options, &stiffness](const std::string& text) {
+    options.has_auto_stiffness = text == "auto";
+    if (options.has_auto_stiffness) return;
+    const auto number = parse_real("--stiffness", text, run_setting("--stiffness").range);
+    if (!number) throw CLI::ValidationError("--stiffness", number.error().problem);
+    stiffness = *number;
+  };
+  std::ostringstream usual;
+  usual << stiffness << ", with --device auto";
+  return app
+      .add_option_function<std::string>(
+          "--stiffness", read,
+          help + "; auto: half of the largest that is stable on the device of --device")
+      ->type_name("NUMBER|auto")
+      ->default_str(usual.str());
+}
+
 CLI::Option* add_workspace(CLI::App& app, DeviceDescription& device, const std::string& help) {
   const auto read = [&device](const std::string& text) {
     const auto extent_m = parse_real("--workspace", text, run_setting("--workspace").range);
@@ -119,6 +139,17 @@ CLI::Option* add_own(CLI::App& app, const RunSetting& setting, RunOptions& optio
   return app.add_option(name, name == "--place" ? options.place : options.actuated_axes, help);
 }
 
+CLI::Option* add_option(CLI::App& app, const RunSetting& setting, RunOptions& options,
+                        const std::string& help) {
+  if (std::holds_alternative<OwnSetting>(setting.value)) {
+    return add_own(app, setting, options, help);
+  }
+  if (options.knows_auto_stiffness && setting.option == "--stiffness") {
+    return add_stiffness(app, options, help);
+  }
+  return add_setting(app, setting, options.settings, help);
+}
+
 }  // namespace
 
 CLI::Option* add_setting(CLI::App& app, const RunSetting& setting, RunSettings& settings,
@@ -130,10 +161,7 @@ void add_settings(CLI::App& app, RunOptions& options, SettingGroup group, RunSet
   for (const RunSetting& setting : table) {
     if (setting.group != group || setting.option.empty()) continue;
     const std::string help = help_of(setting, usual_text(setting, options));
-    CLI::Option* const option = std::holds_alternative<OwnSetting>(setting.value)
-                                    ? add_own(app, setting, options, help)
-                                    : add_setting(app, setting, options.settings, help);
-    option->group(heading(group));
+    add_option(app, setting, options, help)->group(heading(group));
   }
 }
 

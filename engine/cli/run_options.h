@@ -21,11 +21,13 @@ namespace palpate {
 // other members hold the text of an option, which make_setup() parses.
 struct RunOptions {
   RunSettings settings;
-  std::string actuated_axes;       // "0 0 1; 1 0 0", device frame
-  std::string place;               // "x y z qw qx qy qz", m: T_device_scene at the start
-  std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each: m/s and rad/s, scene axes
-  bool is_quiet = false;           // make_setup() writes no line about a measured work budget
-  bool states_quantum = false;     // the help states the encoder quantum of the device
+  std::string actuated_axes;          // "0 0 1; 1 0 0", device frame
+  std::string place;                  // "x y z qw qx qy qz", m: T_device_scene at the start
+  std::vector<std::string> moves;     // "NODE=vx vy vz wx wy wz" each: m/s and rad/s, scene axes
+  bool is_quiet = false;              // make_setup() writes no line about a measured work budget
+  bool states_quantum = false;        // the help states the encoder quantum of the device
+  bool knows_auto_stiffness = false;  // --stiffness may be `auto`, which a device with motors has
+  bool has_auto_stiffness = false;    // it is
 };
 
 // Adds the options of one group to a command, with their help. The options must outlive the parsing

@@ -66,7 +66,8 @@ std::optional<Error> check_recording_place(const std::string& file, const std::s
 
 Result<std::unique_ptr<Recorder>> make_recorder(const std::string& file,
                                                 const SceneOptions& options, const Scene& scene,
-                                                const RunSetup& setup, bool virtual_time) {
+                                                const RunSetup& setup, bool virtual_time,
+                                                const std::string& allow_unstable) {
   if (file.empty()) return std::unique_ptr<Recorder>();
   RecordedSetup recorded;
   recorded.scene_path = options.path;
@@ -81,6 +82,7 @@ Result<std::unique_ptr<Recorder>> make_recorder(const std::string& file,
   recorded.haptics = setup.haptics;
   recorded.dt_s = setup.dt_s;
   recorded.virtual_time = virtual_time;
+  recorded.allow_unstable = allow_unstable;
   const auto meta = meta_of(scene, recorded);
   if (!meta) return meta.error();
   RecorderSettings settings;

@@ -32,10 +32,12 @@ std::optional<Error> check_recording_names(const std::vector<std::string>& files
 std::optional<Error> check_recording_place(const std::string& file, const std::string& out_dir,
                                            const std::vector<std::string>& names);
 
-// A recorder for a session with this scene and setup. Null if file is empty.
+// A recorder for a session with this scene and setup. Null if file is empty. allow_unstable: see
+// DeviceRequest.
 Result<std::unique_ptr<Recorder>> make_recorder(const std::string& file,
                                                 const SceneOptions& options, const Scene& scene,
-                                                const RunSetup& setup, bool virtual_time);
+                                                const RunSetup& setup, bool virtual_time,
+                                                const std::string& allow_unstable = {});
 
 // Ends a recording; no value for null. why: "end", "interrupted" or "trip". A recording without a
 // tick is removed, because its session has not begun.

@@ -1,8 +1,11 @@
 // The subcommand `soak`: runs the haptic thread for a long time, and reports late ticks and memory.
 
+#include <algorithm>
+#include <array>
 #include <iostream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -17,10 +20,12 @@
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_report.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/soak_on_devices.h"
 #include "engine/cli/start_inside_report.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
+#include "engine/simulation/calm_chart.h"
 #include "engine/simulation/soak.h"
 
 namespace palpate {
@@ -158,11 +163,15 @@ class SoakCommand final : public Command {
  private:
   std::string heading(const PreparedRun& prepared, const SoakRun& run) const;
   int report(const PreparedRun& prepared, const SoakRun& run, OutputFiles& files) const;
+  int run_on_devices() const;
 
   RunRequest request_;
   double minutes_ = 1.0;
   std::optional<std::uint64_t> cpu_;
   bool keeps_cpu_times_ = false;
+  bool is_on_devices_ = false;
+  std::optional<std::uint64_t> cases_;
+  CLI::App* app_ = nullptr;
 };
 
 CLI::App* SoakCommand::add_to(CLI::App& program) {
@@ -172,8 +181,19 @@ CLI::App* SoakCommand::add_to(CLI::App& program) {
   request_.a4 = A4Runs::kOn;
   CLI::App& app = *program.add_subcommand(
       "soak", "run the haptic thread for a long time, and report late ticks and memory");
-  set_help(app, "  ./run.sh soak models/star.glb --minutes 0.1\n");
-  add_scene(app, request_.scene);
+  set_help(app,
+           "  ./run.sh soak models/star.glb --minutes 0.1\n"
+           "  ./run.sh soak --device --cases 20\n",
+           "With --device, 1 also means that a case broke a promise.\n");
+  app_ = &app;
+  add_scene(app, request_.scene, /* is_required = */ false);
+  app.add_flag(
+         "--device", is_on_devices_,
+         "in place of a scene: random contacts of simulated devices with motors, in simulated "
+         "time; does each tip come to rest?")
+      ->group(kMotorGroup);
+  add_integer(app, "--cases", cases_, {1, kMostChartCases}, "contacts of --device [200]")
+      ->group(kMotorGroup);
   add_settings(app, request_.options, SettingGroup::kScene);
   add_settings(app, request_.options, SettingGroup::kDevice);
   add_settings(app, request_.options, SettingGroup::kWorkspace);
@@ -237,8 +257,44 @@ int SoakCommand::report(const PreparedRun& prepared, const SoakRun& run, OutputF
   return exit_code_after_signals(finish_output(warnings));
 }
 
+int SoakCommand::run_on_devices() const {
+  constexpr std::array<std::string_view, 6> kTaken = {"--device", "--cases", "--seed",
+                                                      "--rate",   "--out",   "--json"};
+  for (const CLI::Option* option : app_->get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || std::find(kTaken.begin(), kTaken.end(), name) != kTaken.end()) {
+      continue;
+    }
+    return refuse(invalid_argument(name,
+                                   "is given beside --device; expected none but --cases, "
+                                   "--seed, --rate, --out and --json"));
+  }
+  ChartRequest chart;
+  chart.seed = request_.exploration.seed;
+  chart.out_dir = request_.out_dir;
+  chart.cases = cases_.value_or(chart.cases);
+  chart.json = request_.json;
+  if (app_->count("--rate") > 0) {
+    chart.rate_Hz = request_.options.settings.rate_Hz;
+    using Range = ChartRange;
+    if (!(*chart.rate_Hz >= Range::kLeastRate_Hz && *chart.rate_Hz <= Range::kMostRate_Hz)) {
+      return refuse(invalid_argument("--rate", "is " + formatted("%g", *chart.rate_Hz) +
+                                                   " Hz; expected 250 to 10000 Hz beside "
+                                                   "--device"));
+    }
+  }
+  return soak_on_devices(chart);
+}
+
 int SoakCommand::run(const std::vector<std::string>& arguments) {
   request_.arguments = arguments;
+  if (is_on_devices_) return run_on_devices();
+  if (cases_) {
+    return refuse(invalid_argument("--cases", "is given alone; expected --device beside it"));
+  }
+  if (request_.scene.path.empty()) {
+    return refuse(invalid_argument("SCENE", "is missing; expected a glTF file, or --device"));
+  }
   const Result<PreparedRun> prepared = prepare_run(request_);
   if (!prepared) return refuse(with_path(prepared.error(), request_.scene.path));
   const SignalPhaseScope in_order(SignalPhase::kInOrder);

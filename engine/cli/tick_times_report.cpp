@@ -70,6 +70,7 @@ ordered_json reached_timing_json(const RunSetup& setup, const TickTimes& times) 
   if (!timing) return nullptr;
   return {{"period_ns", timing->period_ns},
           {"delay_ns", timing->delay_ns},
+          {"delay_to_force_ns", 1e9 * timing->to_force_s},
           {"passive_N_per_m", timing->limits.passive_N_per_m},
           {"stable_N_per_m", timing->limits.stable_N_per_m}};
 }
@@ -95,11 +96,14 @@ std::string reached_timing_text(const RunSetup& setup, const TickTimes& times) {
       limits.allows_passive_walls()
           ? formatted("a wall is passive up to %.0f N/m", std::floor(limits.passive_N_per_m))
           : std::string("no wall is passive");
-  return formatted(
-             "at the period and the delay that 99.9 %% of the ticks kept (%.3f ms, %.1f us), ",
-             1e-6 * static_cast<double>(timing->period_ns),
-             1e-3 * static_cast<double>(timing->delay_ns)) +
-         passive +
+  const double delay_s = 1e-9 * static_cast<double>(timing->delay_ns);
+  std::string text =
+      formatted("at the period and the delay that 99.9 %% of the ticks kept (%.3f ms, %.1f us), ",
+                1e-6 * static_cast<double>(timing->period_ns), 1e6 * delay_s);
+  if (timing->to_force_s > delay_s) {
+    text += formatted("and the %.1f ms from a sample to its force, ", 1e3 * timing->to_force_s);
+  }
+  return text + passive +
          (limits.stable_N_per_m > 0.0
               ? formatted(" and stable below %.0f N/m\n", std::floor(limits.stable_N_per_m))
               : std::string(", and none is stable\n"));

@@ -20,12 +20,14 @@
 #include "engine/cli/effects_report.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/open_browser.h"
+#include "engine/cli/open_device.h"
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/private_output.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_on_device.h"
 #include "engine/cli/run_recording.h"
 #include "engine/cli/run_results.h"
+#include "engine/cli/run_stiffness.h"
 #include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
@@ -187,9 +189,18 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
     if (error) return refuse(*error);
   }
   if (const auto error = check_setup(prepared->scene, prepared->setup)) return refuse(*error);
+  std::optional<OpenDevice> open;
+  if (device != nullptr) {
+    open.emplace(*device);
+    if (const auto error = open->start()) return refuse(*error);
+    const auto stiffness = choose_stiffness(request.run, *device, *prepared);
+    if (!stiffness) return refuse(stiffness.error());
+    if (*stiffness) tell_stiffness(**stiffness);
+  }
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   auto recorder =
-      make_recorder(request.run.record, request.run.scene, prepared->scene, prepared->setup, false);
+      make_recorder(request.run.record, request.run.scene, prepared->scene, prepared->setup, false,
+                    request.run.device.allow_unstable.value_or(""));
   if (!recorder) return refuse(recorder.error());
   ViewSettings settings = view_settings_of(request, is_given);
   if (Recorder* const r = recorder->get()) {
@@ -250,6 +261,7 @@ CLI::App* ViewCommand::add_to(CLI::App& program) {
   add_scene(app, run.scene, /* is_required = */ false);
   add_settings(app, run.options, SettingGroup::kScene);
   run.options.states_quantum = true;
+  run.options.knows_auto_stiffness = true;
   add_settings(app, run.options, SettingGroup::kDevice);
   add_settings(app, run.options, SettingGroup::kWorkspace);
   add_settings(app, run.options, SettingGroup::kMechanics);

@@ -12,8 +12,10 @@
 #include <thread>
 #include <utility>
 
+#include "engine/devices/monotonic_clock.h"
 #include "engine/devices/serial_port.h"
 #include "engine/devices/snapshot_ring.h"
+#include "haptics/haptic_loop.h"
 
 namespace palpate {
 namespace {
@@ -25,6 +27,8 @@ using Milliseconds = std::chrono::milliseconds;
 constexpr int kDriverPriority = 80;
 constexpr std::int64_t kLongestSleep_ns = 5'000'000;
 constexpr std::int64_t kShortestSleep_ns = 10'000;  // so that other threads can always run
+constexpr auto kLongestStart = Milliseconds(static_cast<int>(1e3 * HapiDevice::kAnswerToStart_s));
+constexpr auto kMeasurement = Milliseconds(static_cast<int>(1e3 * HapiDevice::kMeasurement_s));
 constexpr auto kLongestRelease = Milliseconds(50);  // a line that takes no bytes is left as it is
 
 std::int64_t steady_now_ns() {
@@ -45,6 +49,13 @@ const char* explain(HapiProblem problem) {
       return "the guard has stopped the motors, because the program had stopped writing";
     case HapiProblem::kGuardGone:
       return "the guard of the motors has ended (start again)";
+    case HapiProblem::kGuardFrozen:
+      return "the guard of the motors is frozen: it has not run for half a second (let "
+             "palpate-guard run again, by `kill -CONT` or by the debugger that holds it)";
+    case HapiProblem::kSuspended:
+      return "the machine was suspended, and the guard has stopped the motors (keep it awake "
+             "during "
+             "a session, for example by systemd-inhibit, and start again)";
   }
   return "";
 }
@@ -89,9 +100,18 @@ class HapiDevice::Session {
     if (thread_.joinable()) thread_.join();
   }
   int descriptor() const noexcept { return port_.descriptor(); }
+  // The exchanges so far.
+  std::size_t exchanges() const noexcept { return exchanges_; }
+  // Ends the measurement. Later forces count as delayed if they are later than it shows.
+  HapiLine end_measurement() noexcept {
+    ends_measurement_ = true;
+    while (!has_line_) std::this_thread::sleep_for(Milliseconds(1));
+    return line_;
+  }
 
  private:
   void run();
+  void measure();
   void exchange();
   void publish();
   void sleep();
@@ -104,6 +124,10 @@ class HapiDevice::Session {
   std::atomic<WriteGuard*> guard_{nullptr};
   std::atomic<WriteGuard*> used_guard_{nullptr};
   std::uint64_t published_messages_ = 0;
+  std::atomic<std::size_t> exchanges_{0};
+  std::atomic<bool> ends_measurement_{false};
+  std::atomic<bool> has_line_{false};
+  HapiLine line_;  // with has_line_
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };
@@ -113,6 +137,7 @@ void HapiDevice::Session::run() {
   while (!ends_) {
     exchange();
     publish();
+    measure();
     sleep();
   }
   link_.release();
@@ -148,6 +173,17 @@ void HapiDevice::Session::publish() {
   published_messages_ = counts.messages;
 }
 
+void HapiDevice::Session::measure() {
+  if (has_line_) return;
+  exchanges_ = link_.exchanges().count();
+  if (!ends_measurement_) return;
+  line_ = link_.exchanges().line();
+  if (line_.delay.is_known()) {
+    link_.set_longest_delay(static_cast<std::int64_t>(line_.delay.most_s * kSecond_ns));
+  }
+  has_line_ = true;
+}
+
 // Waits for an answer, for space in the terminal's queue if bytes wait, or for the next step.
 void HapiDevice::Session::sleep() {
   const std::int64_t wait_ns =
@@ -169,15 +205,32 @@ HapiDevice::~HapiDevice() {
 }
 
 std::optional<std::string> HapiDevice::start() {
-  if (session_) return std::nullopt;
+  if (session_) {  // what happened before the session is not its own
+    session_->read(sample_);
+    view_.forget_trips(sample_);
+    return std::nullopt;
+  }
+  auto problem = open();
+  if (!problem) problem = wait_for_answer();
+  if (!problem) problem = measure_line();
+  if (problem) stop();
+  return problem;
+}
+
+std::optional<std::string> HapiDevice::open() {
   if (const auto error = check_hapi_settings(settings_)) return error->to_string();
   auto port = SerialPort::open(settings_.port);
   if (!port) return port.error().to_string();
   view_ = HapiView(settings_);
   sample_ = HapiSample{};
+  line_ = HapiLine{};
+  tick_ns_ = 0;
   session_ = std::make_unique<Session>(settings_, std::move(*port));
-  const auto end =
-      std::chrono::steady_clock::now() + Milliseconds(static_cast<int>(1e3 * kAnswerToStart_s));
+  return std::nullopt;
+}
+
+std::optional<std::string> HapiDevice::wait_for_answer() {
+  const auto end = std::chrono::steady_clock::now() + kLongestStart;
   HapiSample sample;
   while (std::chrono::steady_clock::now() < end) {
     if (session_->read(sample) && sample.is_working) {
@@ -187,20 +240,46 @@ std::optional<std::string> HapiDevice::start() {
     if (sample.problem == HapiProblem::kHungUp) break;
     std::this_thread::sleep_for(Milliseconds(1));
   }
-  stop();
   Error error = {ErrorCode::kFileUnreadable, settings_.port, "",
                  "nobody answers within 2 s; expected a hAPI board",
                  "check the board's power and its firmware, and that no other port is its own"};
   return error.to_string();
 }
 
-DeviceSample HapiDevice::read(double) noexcept {
+// No tick has commanded a force yet, so that the messages command zero.
+std::optional<std::string> HapiDevice::measure_line() {
+  const auto start = std::chrono::steady_clock::now();
+  const auto is_over = [&] {
+    const auto time = std::chrono::steady_clock::now() - start;
+    const std::size_t exchanges = session_->exchanges();
+    session_->read(sample_);
+    return sample_.problem == HapiProblem::kHungUp || exchanges >= HapiDelay::kMost ||
+           time >= kLongestStart || (time >= kMeasurement && exchanges >= HapiDelay::kFewest);
+  };
+  while (!is_over()) std::this_thread::sleep_for(Milliseconds(1));
+  line_ = session_->end_measurement();
+  view_.set_delay(line_.delay);
+  session_->read(sample_);
+  if (line_.delay.is_known() || !settings_.torque_per_Nm) return std::nullopt;
+  std::ostringstream problem;
+  problem << "has answered only " << session_->exchanges()
+          << " messages within 2 s; expected at least " << HapiDelay::kFewest
+          << ", from which the delay of its forces follows";
+  return Error{ErrorCode::kFileUnreadable, settings_.port, "", problem.str(),
+               "check the cable and other users of the board"}
+      .to_string();
+}
+
+DeviceSample HapiDevice::read(double dt_s) noexcept {
+  if (is_time_step(dt_s)) tick_ns_ = static_cast<std::int64_t>(dt_s * kSecond_ns);
   if (session_) session_->read(sample_);
   return view_.take(sample_);
 }
 
 void HapiDevice::command(const DeviceCommand& command) noexcept {
-  if (session_) session_->command({{command.force_N[0], command.force_N[1]}, steady_now_ns()});
+  if (!session_) return;
+  session_->command(
+      {{command.force_N[0], command.force_N[1]}, steady_now_ns(), tick_ns_, sample_.time_ns});
 }
 
 void HapiDevice::stop() noexcept {
@@ -233,6 +312,25 @@ HapiCounts HapiDevice::counts() const {
   HapiCounts counts = last_counts_;
   if (session_) session_->read(counts);
   return counts;
+}
+
+LineRate HapiDevice::line_rate() const {
+  const HapiCounts counts = this->counts();
+  const auto seconds = [](std::int64_t time_ns) { return 1e-9 * static_cast<double>(time_ns); };
+  LineRate rate;
+  rate.asked_Hz = settings_.rate_Hz;
+  rate.at_start_Hz = line_.rate_Hz;
+  if (counts.messages > 1) {
+    rate.in_session_Hz = static_cast<double>(counts.messages - 1) /
+                         seconds(std::max<std::int64_t>(1, counts.messages_ns));
+  }
+  rate.slowest_Hz = static_cast<double>(counts.fewest_in_second);
+  rate.delay = {seconds(counts.delay_median_ns), seconds(counts.delay_longest_ns)};
+  if (counts.forces > 0) {
+    rate.delayed_share =
+        static_cast<double>(counts.delayed_forces) / static_cast<double>(counts.forces);
+  }
+  return rate;
 }
 
 std::string HapiDevice::summary() const {

@@ -18,9 +18,11 @@ namespace palpate {
 // Talks with the board on a thread of its own, so that the haptic thread does no I/O: a mailbox in
 // each direction holds the newest sample and the newest force.
 //
-// start() opens the port, sets up the board and waits until it answers. The device must be in its
-// rest pose then (HapiWiring). A guard is given after start(), because it needs the open port;
-// without one the driver commands zero (HapiSettings::works_without_guard).
+// start() opens the port, sets up the board, waits until it answers, and measures the delay and the
+// rate of the line by round trips at zero force (HapiDelay). The description states this delay from
+// then on. The device must be in its rest pose at start() (HapiWiring). A guard is given after
+// start(), because it needs the open port; without one the driver commands zero
+// (HapiSettings::works_without_guard).
 //
 // The driver has not run on hardware. It cannot tell a frozen encoder behind fresh answers from a
 // hand at rest.
@@ -28,6 +30,9 @@ class HapiDevice final : public GuardableDevice {
  public:
   // A board must answer start() within this time.
   static constexpr double kAnswerToStart_s = 2.0;
+  // The measurement ends after HapiDelay::kMost exchanges or after this time, but not before it has
+  // HapiDelay::kFewest, for which the board has kAnswerToStart_s.
+  static constexpr double kMeasurement_s = 0.5;
 
   explicit HapiDevice(HapiSettings settings);
   ~HapiDevice() override;
@@ -49,11 +54,16 @@ class HapiDevice final : public GuardableDevice {
 
   // Of this session or, after stop(), the last one.
   HapiCounts counts() const;
+  LineRate line_rate() const override;
   // What counts() says.
   std::string summary() const override;
 
  private:
   class Session;
+
+  std::optional<std::string> open();
+  std::optional<std::string> wait_for_answer();
+  std::optional<std::string> measure_line();
 
   HapiSettings settings_;
   HapiView view_;
@@ -61,6 +71,8 @@ class HapiDevice final : public GuardableDevice {
   std::unique_ptr<Session> session_;
   HapiCounts last_counts_;
   HapiSample last_sample_;
+  HapiLine line_;
+  std::int64_t tick_ns_ = 0;  // the period of the ticks; 0 before the first one
 };
 
 }  // namespace palpate

@@ -9,7 +9,8 @@
 namespace palpate {
 namespace {
 
-// An older command of the haptic thread does not count.
+// An older command of the haptic thread does not count. period_ns: of the slower of the ticks and
+// the messages, because a tick that is on time must not find its force cut.
 std::int64_t oldest_command_ns(std::int64_t period_ns) {
   return std::max(std::llround(GovernorLimits::kStale_s * kSecond_ns),
                   std::llround(GovernorLimits::kStalePeriods * static_cast<double>(period_ns)));
@@ -34,7 +35,8 @@ HapiLink::HapiLink(const HapiSettings& settings)
       torques_(settings_),
       angles_deg_(settings.wiring.rest_deg),
       parser_(settings.wiring.device, angles_deg_),
-      period_ns_(std::llround(kSecond_ns / settings.rate_Hz)) {}
+      period_ns_(std::llround(kSecond_ns / settings.rate_Hz)),
+      exchanges_(period_ns_) {}
 
 void HapiLink::start(std::int64_t now_ns) {
   begin_clearing(now_ns);
@@ -87,6 +89,7 @@ void HapiLink::take_answer(std::int64_t now_ns) {
   angles_deg_ = parser_.angles_deg();
   const std::int64_t age_ns = now_ns - flight.sent_ns;
   round_trips_.add(age_ns);
+  exchanges_.add(flight.sent_ns, now_ns);
   ++counts_.answers;
   pose_ = pose;
   sample_.tip_m = {pose->tip_m.x(), pose->tip_m.y()};
@@ -150,7 +153,7 @@ void HapiLink::step(std::int64_t now_ns) {
   } else if (!waits && may_send() && now_ns >= next_tick_ns_) {
     if (flights_.is_full()) flights_.take();
     flights_.add(now_ns);
-    ++counts_.messages;
+    count_message(now_ns);
     make_tick(now_ns);
     // The messages keep their rhythm unless one was late by a period.
     const bool is_in_rhythm = now_ns - next_tick_ns_ < period_ns_;
@@ -160,16 +163,18 @@ void HapiLink::step(std::int64_t now_ns) {
 
 void HapiLink::watch_guard(std::int64_t now_ns) {
   if (guard_ == nullptr || is_guard_gone_) return;
-  if (!guard_->is_alive(now_ns)) {
+  const GuardState state = guard_->state(now_ns);
+  if (state != GuardState::kAlive) {
     is_guard_gone_ = true;
-    trip(HapiProblem::kGuardGone, now_ns);
+    trip(state == GuardState::kFrozen ? HapiProblem::kGuardFrozen : HapiProblem::kGuardGone,
+         now_ns);
     return;
   }
   const std::uint64_t epoch = guard_->trip_epoch();
   if (epoch == guard_epoch_) return;
   guard_epoch_ = epoch;
   owes_acknowledgement_ = true;
-  trip(HapiProblem::kGuardTripped, now_ns);
+  trip(guard_->was_suspended() ? HapiProblem::kSuspended : HapiProblem::kGuardTripped, now_ns);
   begin_clearing(now_ns);
 }
 
@@ -263,8 +268,23 @@ void HapiLink::set_up(std::int64_t now_ns) {
   ++counts_.set_ups;
 }
 
+void HapiLink::count_message(std::int64_t now_ns) {
+  if (counts_.messages == 0) first_message_ns_ = second_since_ns_ = now_ns;
+  if (now_ns - second_since_ns_ >= kSecond_ns) {
+    const std::uint64_t messages = counts_.messages - messages_before_second_;
+    const bool is_first = messages_before_second_ == 0;
+    counts_.fewest_in_second = is_first ? messages : std::min(counts_.fewest_in_second, messages);
+    messages_before_second_ = counts_.messages;
+    second_since_ns_ = now_ns;
+  }
+  ++counts_.messages;
+  counts_.messages_ns = now_ns - first_message_ns_;
+}
+
 void HapiLink::make_tick(std::int64_t now_ns) {
-  const Vec2 force_N = commands_force(now_ns) ? Vec2(force_.force_N.data()) : Vec2::Zero();
+  const bool has_force = commands_force(now_ns);
+  const Vec2 force_N = has_force ? Vec2(force_.force_N.data()) : Vec2::Zero();
+  answered_sample_ns_ = has_force ? force_.sample_ns : 0;
   const HapiNumbers torques =
       torques_.next(force_N, pose_.value_or(HapiPose{}), now_ns - last_tick_ns_);
   put(hapi_tick(settings_.wiring.device, torques));
@@ -276,7 +296,8 @@ bool HapiLink::commands_force(std::int64_t now_ns) const {
   if (is_released_ || awaits_zero_ || !sample_.is_working || !pose_) return false;
   if (is_guard_gone_ || (guard_ == nullptr && !settings_.works_without_guard)) return false;
   if (force_.tick_ns == 0) return false;
-  return now_ns - force_.tick_ns <= oldest_command_ns(period_ns_);
+  const std::int64_t period_ns = std::max(period_ns_, force_.period_ns);
+  return now_ns - force_.tick_ns <= oldest_command_ns(period_ns);
 }
 
 template <typename Message>
@@ -297,6 +318,15 @@ void HapiLink::sent(std::size_t count, std::int64_t now_ns) {
   if (!is_tick_) return;
   torques_.confirm();
   last_tick_ns_ = now_ns;
+  count_delay(now_ns);
+}
+
+void HapiLink::count_delay(std::int64_t now_ns) {
+  if (answered_sample_ns_ == 0 || is_zero_) return;
+  const std::int64_t delay_ns = now_ns - answered_sample_ns_;
+  delays_.add(delay_ns);
+  ++counts_.forces;
+  if (delay_ns > longest_delay_ns_) ++counts_.delayed_forces;
 }
 
 std::int64_t HapiLink::wake_ns() const {
@@ -313,6 +343,8 @@ HapiCounts HapiLink::counts() const {
   HapiCounts counts = counts_;
   counts.round_trip_median_ns = round_trips_.median_ns();
   counts.round_trip_longest_ns = round_trips_.longest_ns();
+  counts.delay_median_ns = delays_.median_ns();
+  counts.delay_longest_ns = delays_.longest_ns();
   return counts;
 }
 

@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "engine/devices/hapi_delay.h"
 #include "engine/devices/hapi_flights.h"
 #include "engine/devices/hapi_protocol.h"
 #include "engine/devices/hapi_settings.h"
@@ -25,13 +27,17 @@ enum class HapiProblem : std::uint8_t {
   kBadAnswers,
   kHungUp,
   kGuardTripped,  // the guard has stopped the motors
-  kGuardGone      // nobody would stop the motors
+  kGuardGone,     // nobody would stop the motors
+  kGuardFrozen,   // the same, though the process exists
+  kSuspended      // the machine was suspended; the guard has stopped the motors
 };
 
 // The force that a tick commands.
 struct HapiForce {
   std::array<double, 2> force_N = {};
-  std::int64_t tick_ns = 0;  // time of the tick; 0: there was none
+  std::int64_t tick_ns = 0;    // time of the tick; 0: there was none
+  std::int64_t period_ns = 0;  // of the ticks; at most that of the messages counts as that one
+  std::int64_t sample_ns = 0;  // HapiSample::time_ns of the sample that it answers; 0: unknown
 };
 
 // What the driver knows of the device.
@@ -56,6 +62,15 @@ struct HapiCounts {
   std::uint64_t set_ups = 0;
   std::int64_t round_trip_median_ns = 0;
   std::int64_t round_trip_longest_ns = 0;
+  // From the message of a sample to the message with the force that answers it; 0 without a force.
+  std::int64_t delay_median_ns = 0;
+  std::int64_t delay_longest_ns = 0;
+  std::uint64_t forces = 0;          // messages with a force whose sample is known
+  std::uint64_t delayed_forces = 0;  // of these, those later than HapiLink::set_longest_delay()
+  // From the first message to the last one.
+  std::int64_t messages_ns = 0;
+  // The fewest messages in a second; 0 before the first second ends.
+  std::uint64_t fewest_in_second = 0;
 };
 
 // The conversation. Rules:
@@ -75,7 +90,8 @@ struct HapiCounts {
 //   when the guard is quiet again; if the guard is gone, the link commands zero from then on. Every
 //   message that was written is a beat for the guard.
 // - After a trip it commands zero until a later tick has commanded zero.
-// - It commands zero if the newest tick is older than 10 ms or 5 periods, whichever is longer.
+// - It commands zero if the newest tick is older than 10 ms or 5 periods of the slower of ticks and
+//   messages, whichever is longer.
 // - A message that is cut is continued, never begun again. A message that waits is made anew.
 //
 // Times are on one monotonic clock and never decrease. One thread owns an object.
@@ -97,6 +113,8 @@ class HapiLink {
   // guard: must outlive the link; null: there is none. Its earlier trips are ignored.
   void set_guard(WriteGuard* guard);
   void set_force(const HapiForce& force);
+  // Later forces count as delayed.
+  void set_longest_delay(std::int64_t delay_ns) { longest_delay_ns_ = delay_ns; }
   // From now on, the link commands zero.
   void release() { is_released_ = true; }
   // A zero force was sent after release(), or nothing can be sent.
@@ -119,6 +137,8 @@ class HapiLink {
 
   const HapiSample& sample() const { return sample_; }
   HapiCounts counts() const;
+  // The exchanges since the first answer.
+  const HapiDelay& exchanges() const { return exchanges_; }
 
  private:
   enum class Phase : std::uint8_t { kOff, kClearing, kAsking, kRunning };
@@ -137,6 +157,8 @@ class HapiLink {
   bool may_send() const;
   void make_tick(std::int64_t now_ns);
   bool commands_force(std::int64_t now_ns) const;
+  void count_message(std::int64_t now_ns);
+  void count_delay(std::int64_t now_ns);
   template <typename Message>
   void put(const Message& message);
 
@@ -163,8 +185,9 @@ class HapiLink {
 
   std::vector<std::uint8_t> outgoing_;
   std::size_t sent_ = 0;
-  bool is_tick_ = false;  // outgoing_ is a tick message
-  bool is_zero_ = false;  // outgoing_ ends with zero torques
+  bool is_tick_ = false;                 // outgoing_ is a tick message
+  bool is_zero_ = false;                 // outgoing_ ends with zero torques
+  std::int64_t answered_sample_ns_ = 0;  // of the force in outgoing_; 0: none, or unknown
 
   HapiForce force_;
   bool awaits_zero_ = false;  // since trip_ns_
@@ -176,6 +199,12 @@ class HapiLink {
   HapiSample sample_;
   HapiCounts counts_;
   RoundTrips round_trips_;
+  RoundTrips delays_;
+  std::int64_t longest_delay_ns_ = std::numeric_limits<std::int64_t>::max();
+  HapiDelay exchanges_;
+  std::int64_t first_message_ns_ = 0;
+  std::int64_t second_since_ns_ = 0;
+  std::uint64_t messages_before_second_ = 0;
 };
 
 }  // namespace palpate

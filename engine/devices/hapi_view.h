@@ -24,6 +24,10 @@ class HapiView {
   explicit HapiView(const HapiSettings& settings);
 
   const DeviceDescription& description() const noexcept { return description_; }
+  // The delay of the description; before the first sample of a session.
+  void set_delay(const DelayInterval& delay) noexcept { description_.delay = delay; }
+  // Trips so far do not count: a session begins.
+  void forget_trips(const HapiSample& sample) noexcept { seen_trips_ = sample.trips; }
   // The sample of a tick. It asks for a trip while the motors do not obey, and once for each trip
   // of the link.
   DeviceSample take(const HapiSample& sample) noexcept;

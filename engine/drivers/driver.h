@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/devices/guardable_device.h"
+#include "engine/simulation/held_tip.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -60,6 +61,12 @@ class SimulatedHardware {
   virtual std::string summary() const = 0;
 };
 
+// What stands behind the board of a simulated device, and how slow the line to it is.
+struct SimulatedPlant {
+  TipSettings tip;
+  double delay_s = 0.0;  // of a message and its answer together, beside the board's own time
+};
+
 struct Driver {
   std::string_view name;
   std::string_view what;     // the devices, their sensors and motors, in one line
@@ -73,6 +80,10 @@ struct Driver {
                                                    bool works_without_guard);
   // Starts the simulated hardware; null: the driver has none.
   Result<std::unique_ptr<SimulatedHardware>> (*simulate)() = nullptr;
+  // The same with this plant, whose hand probes the scene (probing_hand.h); null: the driver has
+  // none.
+  Result<std::unique_ptr<SimulatedHardware>> (*simulate_plant)(const SimulatedPlant& plant) =
+      nullptr;
 };
 
 }  // namespace palpate

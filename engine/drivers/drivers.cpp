@@ -8,6 +8,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "engine/devices/stiffness_zones.h"
 #include "engine/drivers/hapi_driver.h"
 #include "geometry/base/printable.h"
 #include "geometry/base/quoted.h"
@@ -73,13 +74,43 @@ std::optional<Error> store_value(const std::vector<DriverKey>& keys, std::string
 std::string delay_line(const DeviceDescription& device) {
   std::ostringstream line;
   line << "      its delay from a sample to the force: ";
-  if (device.delay_s == 0.0) {
+  if (!device.delay.is_known()) {
     line << "unknown";
   } else {
-    line << 1e3 * device.delay_s << " ms";
+    line << 1e3 * device.delay.least_s << " to " << 1e3 * device.delay.most_s << " ms";
   }
   line << "\n";
   return line.str();
+}
+
+// At the device's rate and the initial values of all keys; the start of a run measures the delay.
+std::string stiffness_lines(const DeviceDescription& device) {
+  std::ostringstream lines;
+  const auto zones = stiffness_zones(device, 0.0, 1.0 / device.rate_Hz);
+  if (!zones) return lines.str();
+  const AssumedMechanics& mechanics = zones->mechanics;
+  lines << "      its walls at " << device.rate_Hz << " Hz and a delay of "
+        << 1e3 * mechanics.delay.most_s << " ms: ";
+  if (zones->passive_N_per_m > 0.0) {
+    lines << "passive up to " << std::floor(zones->passive_N_per_m) << " N/m";
+  } else {
+    lines << "none is passive";
+  }
+  lines << ", stable below " << std::floor(zones->stable_N_per_m) << " N/m\n";
+  std::string assumed;
+  const auto add = [&](bool is_assumed, const std::string& what) {
+    if (is_assumed) assumed += (assumed.empty() ? "" : ", ") + what;
+  };
+  const auto with_unit = [](double number, const char* unit) {
+    std::ostringstream text;
+    text << number << unit;
+    return text.str();
+  };
+  add(mechanics.assumes_mass, with_unit(mechanics.mass_kg, " kg"));
+  add(mechanics.assumes_damping, with_unit(mechanics.damping_Ns_per_m, " N s/m"));
+  add(mechanics.assumes_delay, with_unit(1e3 * mechanics.delay.most_s, " ms"));
+  if (!assumed.empty()) lines << "      (of a " << kBareTip.name << ": " << assumed << ")\n";
+  return lines.str();
 }
 
 std::string key_line(const DriverKey& key) {
@@ -165,7 +196,7 @@ std::string drivers_text() {
     text += name + "  " + std::string(driver->what) + "\n      " + name + ":" +
             std::string(driver->example) + "[,KEY=VALUE...]\n";
     for (const DriverKey& key : driver->keys()) text += key_line(key);
-    text += delay_line(driver->describe());
+    text += delay_line(driver->describe()) + stiffness_lines(driver->describe());
   }
   return text;
 }

@@ -1,5 +1,6 @@
 #include "engine/drivers/hapi_driver.h"
 
+#include <cmath>
 #include <sstream>
 #include <utility>
 
@@ -58,8 +59,8 @@ std::vector<HapiKey> hapi_keys() {
       {angle_key("angle2", "angle of the second joint in the rest pose, degrees",
                  initial.wiring.rest_deg[1]),
        [](HapiSettings& s, double x) { s.wiring.rest_deg[1] = static_cast<float>(x); }},
-      {{"rate", "messages per second", DriverKeyKind::kReal, Limits::kSlowest_Hz,
-        Limits::kFastest_Hz, initial.rate_Hz},
+      {{"rate", "messages per second; at least 250 with torque-per-Nm", DriverKeyKind::kReal,
+        Limits::kSlowest_Hz, Limits::kFastest_Hz, initial.rate_Hz},
        [](HapiSettings& s, double x) { s.rate_Hz = x; }},
   };
 }
@@ -84,7 +85,8 @@ Result<std::unique_ptr<GuardableDevice>> make(const DriverValues& values,
 
 class SimulatedHapiBoard final : public SimulatedHardware {
  public:
-  explicit SimulatedHapiBoard(std::unique_ptr<BoardTerminal> board) : board_(std::move(board)) {}
+  SimulatedHapiBoard(std::unique_ptr<BoardTerminal> board, bool has_probes)
+      : board_(std::move(board)), has_probes_(has_probes) {}
   std::string place() const override { return "a simulated hAPI board at " + board_->path(); }
   std::string summary() const override {
     std::ostringstream text;
@@ -93,21 +95,48 @@ class SimulatedHapiBoard final : public SimulatedHardware {
     if (!log.empty()) {
       text << ", the last torques " << log.back().torques[0] << ", " << log.back().torques[1];
     }
+    if (has_probes_) text << "\n" << plant_text();
     return text.str();
   }
 
  private:
+  std::string plant_text() const {
+    const PortAccount account = board_->account();
+    const ProbeResult probes = board_->probes();
+    std::ostringstream text;
+    text << "plant: " << probes.judged << " probes, amplitude at their end at most "
+         << 1e3 * probes.largest_amplitude_m << " mm; largest speed "
+         << account.largest_speed_m_per_s << " m/s; returned over the hand's work at most "
+         << 1e3 * account.most_returned_J << " mJ; work of the motors " << 1e3 * account.motors_J
+         << " mJ, of the hand " << 1e3 * account.hand_J << " mJ, lost " << 1e3 * account.lost_J
+         << " mJ";
+    return text.str();
+  }
+
   std::unique_ptr<BoardTerminal> board_;
+  bool has_probes_;
 };
 
-Result<std::unique_ptr<SimulatedHardware>> simulate() {
-  constexpr std::size_t kKeptCommands = 1000;
-  BoardSettings settings;
-  settings.kept_commands = kKeptCommands;
+Result<std::unique_ptr<SimulatedHardware>> simulate_board(BoardSettings settings) {
+  settings.kept_commands = 1000;
   auto board = BoardTerminal::open(settings);
   if (!board) return board.error();
   return std::unique_ptr<SimulatedHardware>(
-      std::make_unique<SimulatedHapiBoard>(std::move(*board)));
+      std::make_unique<SimulatedHapiBoard>(std::move(*board), settings.plant.hand_probes));
+}
+
+Result<std::unique_ptr<SimulatedHardware>> simulate() {
+  return simulate_board({});
+}
+
+Result<std::unique_ptr<SimulatedHardware>> simulate_plant(const SimulatedPlant& plant) {
+  BoardSettings settings;
+  settings.plant.mass_kg = plant.tip.mass_kg;
+  settings.plant.damping_Ns_per_m = plant.tip.damping_Ns_per_m;
+  settings.plant.hand = plant.tip.hand;
+  settings.plant.hand_probes = true;
+  settings.line_ns = std::llround(0.5e9 * plant.delay_s);
+  return simulate_board(settings);
 }
 
 }  // namespace
@@ -129,6 +158,7 @@ const Driver kHapiDriver{
     keys,
     describe,
     make,
-    simulate};
+    simulate,
+    simulate_plant};
 
 }  // namespace palpate

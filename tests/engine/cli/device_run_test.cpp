@@ -16,6 +16,7 @@
 #include <iostream>
 #include <linux/capability.h>
 #include <memory>
+#include <optional>
 #include <string>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -28,6 +29,7 @@
 
 #include "engine/cli/program_signals.h"
 #include "engine/devices/five_bar.h"
+#include "engine/devices/stiffness_zones.h"
 #include "engine/simulation/board_terminal.h"
 #include "tests/engine/cli/run_program.h"
 #include "tests/helpers/needs.h"
@@ -72,7 +74,8 @@ bool has_force(const BoardTerminal& board) {
 
 // A box of 0.04 m, whose front is at y = -0.005 m in the frame of the device. The origin of that
 // frame is the middle of the workspace: (0.01, 0.0546) m in the frame of the linkage.
-std::string wall_scene(const TemporaryFolder& folder) {
+std::string wall_scene(const TemporaryFolder& folder,
+                       std::optional<double> stiffness_N_per_m = {}) {
   test::GltfBuilder gltf;
   std::vector<Eigen::Vector3f> corners;
   for (int k = 0; k < 8; ++k) {
@@ -83,6 +86,11 @@ std::string wall_scene(const TemporaryFolder& folder) {
   const auto indices = gltf.add_indices({0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                          2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
   gltf.add_mesh({{{"attributes", {{"POSITION", positions}}}, {"indices", indices}}});
+  if (stiffness_N_per_m) {
+    gltf.json["materials"] = {
+        {{"name", "hard"}, {"extras", {{"palpate", {{"stiffness", *stiffness_N_per_m}}}}}}};
+    gltf.json["meshes"][0]["primitives"][0]["material"] = 0;
+  }
   gltf.add_node({{"mesh", 0}});
   return gltf.write_glb(folder);
 }
@@ -128,12 +136,16 @@ class DeviceRunProgram : public ::testing::Test {
   std::string device() const {
     return "hapi:port=" + board->path() + ",torque-per-Nm=1,peak-torque=0.1";
   }
-  // The tests must also run where the system refuses SCHED_FIFO.
+  // The tests must also run where the system refuses SCHED_FIFO. The simulated hand holds the
+  // device firmly, so that 1,000 N/m is calm also where a busy machine makes the delay long.
   std::vector<std::string> arguments(const std::string& seconds,
                                      const std::vector<std::string>& more = {}) const {
     std::vector<std::string> all = {
         "run",   scene,   "--device",         device(), "--seconds",
         seconds, "--out", folder.path("out"), "--json", "--without-realtime"};
+    if (std::find(more.begin(), more.end(), "--stiffness") == more.end()) {
+      all.insert(all.end(), {"--stiffness", "1000", "--allow-unstable", "a firm simulated hand"});
+    }
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
@@ -176,10 +188,11 @@ class DeviceRunProgram : public ::testing::Test {
     EXPECT_TRUE(wait_until([&] { return is_zero(board->log().back()); }));
   }
   // One line that contains the text, exit code 2, and no force.
-  void expect_refused(const Outcome& outcome, const std::string& text) const {
+  // lines: on stderr; a run on an open device has told its limits before.
+  void expect_refused(const Outcome& outcome, const std::string& text, int lines = 1) const {
     EXPECT_EQ(outcome.exit_code, 2) << text;
     EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), lines) << outcome.err;
     EXPECT_EQ(outcome.out, "");
     EXPECT_FALSE(std::filesystem::exists(folder.path("out"))) << text;
     EXPECT_FALSE(has_force(*board)) << text;
@@ -287,6 +300,47 @@ TEST_F(DeviceRunProgram, AKilledGuardIsATripWithZeroAndResults) {
     std::cout << "another trip came first: " << outcome.err;
   }
   ADD_FAILURE() << "no run in which the guard was killed before another trip";
+}
+
+TEST_F(DeviceRunProgram, AFrozenGuardIsATripToldAsSuchWithZeroAndResults) {
+  for (int n = 0; n < kMostRuns; ++n) {
+    const StartedProgram started = start_pressed();
+    ASSERT_NE(started.process, 0);
+    const pid_t guard = guard_of(started);
+    if (guard != 0) ::kill(guard, SIGSTOP);
+    const Outcome outcome = outcome_of(started);
+    EXPECT_EQ(outcome.exit_code, kTripped) << outcome.err;
+    expect_zero_at_last();
+    EXPECT_TRUE(has_trace());
+    EXPECT_NE(::kill(guard, 0), 0);  // it is not left behind
+    const json result = json::parse(outcome.out);
+    const std::string problem = result.at("device").at("problem");
+    if (problem.find("the guard of the motors is frozen") == std::string::npos) {
+      std::cout << "another trip came first: " << outcome.err;
+      continue;
+    }
+    EXPECT_NE(outcome.err.find("palpate-guard: is frozen"), std::string::npos) << outcome.err;
+    return;
+  }
+  ADD_FAILURE() << "no run in which the guard was frozen before another trip";
+}
+
+// The trace needs a few hundred bytes a tick.
+TEST_F(DeviceRunProgram, OnAFullDiskTheResultsArePrinted) {
+  StartedProgram started;
+  {
+    const test::FileSizeLimit limit(300'000);
+    started = start_program(folder, arguments("2"));
+  }
+  const Outcome outcome = outcome_of(started);
+  expect_zero_at_last();
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_FALSE(has_trace());
+  EXPECT_NE(outcome.err.find(folder.path("out") + "/trace-off.csv"), std::string::npos)
+      << outcome.err;
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result.at("runs").size(), 1u);
+  EXPECT_EQ(result.at("device").at("guard"), true);
 }
 
 TEST_F(DeviceRunProgram, TheGuardStopsTheMotorsOfAKilledProgram) {
@@ -424,12 +478,103 @@ TEST_F(DeviceRunProgram, RefusesBadOptionsInOneLine) {
             "--max-force: is 100 N; expected at most"},
            {{"--device", port, "--seconds", "1"}, "--seconds: "},
            {{"--no-guard"}, "--no-guard: is given alone; expected --device beside it"},
+           {{"--stiffness", "auto"}, "--stiffness: is auto; expected a number without --device"},
+           {{"--allow-unstable", "x"}, "--allow-unstable: is given alone; expected --device"},
+           {{"--device", port, "--allow-unstable", ""}, "--allow-unstable: has an empty value"},
            {{"--cpu", "0"}, "--cpu: is given alone; expected --device beside it"},
        }) {
     std::vector<std::string> arguments = {"run", scene};
     arguments.insert(arguments.end(), c.arguments.begin(), c.arguments.end());
     expect_refused(run_program(folder, arguments), c.text);
   }
+}
+
+// The line that begins with this text; empty if there is none.
+std::string line_with(const std::string& text, const std::string& begin) {
+  const std::size_t at = text.find(begin);
+  return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
+}
+
+// The program measures the delay of the board, and takes half of the stable limit at its worst end.
+TEST_F(DeviceRunProgram, WithoutAStiffnessItTakesTheStableOneOfTheMeasuredDelay) {
+  const Outcome outcome =
+      run_program(folder, {"run", scene, "--device", device(), "--seconds", "2", "--json",
+                           "--without-realtime", "--out", folder.path("out")});
+  ASSERT_NE(outcome.out, "") << outcome.err;
+  const json result = json::parse(outcome.out);
+  const json& stiffness = result.at("stiffness");
+  EXPECT_EQ(stiffness.at("auto"), true);
+  EXPECT_EQ(stiffness.at("zone"), "stable");
+  EXPECT_EQ(stiffness.at("mass_kg"), 0.1);
+  EXPECT_EQ(stiffness.at("assumed").at("mass_of"), "bare tip");
+  EXPECT_TRUE(stiffness.at("assumed").at("delay_of").is_null());
+  const double most_s = stiffness.at("delay_s").at(1);
+  EXPECT_GT(most_s, 0.3e-3) << "the board answers after 0.3 ms";
+  EXPECT_DOUBLE_EQ(stiffness.at("stiffness_N_per_m"),
+                   kAutoPart * stiffness.at("stable_N_per_m").get<double>());
+  EXPECT_GT(stiffness.at("stable_N_per_m"), stiffness.at("passive_N_per_m"));
+  EXPECT_GT(result.at("device").at("line").at("at_start_Hz"), 0.0);
+  EXPECT_NE(line_with(outcome.err,
+                      "palpate: the device: mass 0.1 kg (assumed, of a bare tip), "
+                      "damping 0.5 N s/m (assumed, of a bare tip), delay from a "
+                      "sample to its force "),
+            "")
+      << outcome.err;
+  const std::string chosen = line_with(outcome.err, "palpate: stiffness ");
+  EXPECT_NE(chosen.find(" N/m (auto: 0.5 of the stable limit): stable"), std::string::npos)
+      << outcome.err;
+}
+
+// 1,000 N/m is more than a bare tip holds without damping, and less than it holds with the largest.
+TEST_F(DeviceRunProgram, AStiffnessBeyondTheStableLimitIsCalmOnlyByTheController) {
+  const Outcome outcome = run_program(folder, arguments("2", {"--stiffness", "500"}));
+  ASSERT_NE(outcome.out, "") << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out).at("stiffness").at("zone"), "calm only by the controller");
+  EXPECT_NE(outcome.err.find("palpate: stiffness 500 N/m: calm only by the controller"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST_F(DeviceRunProgram, RefusesAStiffnessThatNoDampingHoldsWithTheValueThatFits) {
+  const std::string expected = "--stiffness: is 100000 N/m; expected at most ";
+  const Outcome refused = run_program(folder, arguments("2", {"--stiffness", "100000"}));
+  expect_refused(refused, expected);
+  const std::size_t at = refused.err.find(expected) + expected.size();
+  const std::string fitting = refused.err.substr(at, refused.err.find(' ', at) - at);
+  EXPECT_GT(std::stod(fitting), 0.0) << refused.err;
+  const TemporaryFolder other;
+  scene = wall_scene(other, 100'000.0);
+  expect_refused(run_program(folder, arguments("2", {"--stiffness", "auto"})),
+                 "material \"hard\": stiffness: is 100000 N/m; expected at most ");
+  scene = wall_scene(other);
+  const std::string recording = folder.path("unstable.palpate");
+  const Outcome allowed =
+      run_program(folder, arguments("2", {"--stiffness", "100000", "--allow-unstable",
+                                          "a test of the limits", "--record", recording}));
+  ASSERT_NE(allowed.out, "") << allowed.err;
+  const json stiffness = json::parse(allowed.out).at("stiffness");
+  EXPECT_EQ(stiffness.at("zone"), "refused");
+  EXPECT_EQ(stiffness.at("allow_unstable"), "a test of the limits");
+  EXPECT_NE(allowed.err.find("unstable, and allowed, because: a test of the limits"),
+            std::string::npos)
+      << allowed.err;
+  const Outcome info = run_program(folder, {"recording", "info", recording, "--json"});
+  EXPECT_EQ(json::parse(info.out)[0]["meta"]["allow_unstable"], "a test of the limits") << info.out;
+  EXPECT_EQ(run_program(folder, {"replay", recording}).exit_code, 0);
+}
+
+TEST_F(DeviceRunProgram, RefusesSlowTicksSlowMessagesAndASlowLine) {
+  expect_refused(run_program(folder, arguments("2", {"--rate", "80"})),
+                 "--rate: is 80 Hz; expected at least 250 for a device that moves motors");
+  open_board();
+  std::vector<std::string> slow = arguments("2");
+  slow[3] += ",rate=80";
+  slow.insert(slow.end(), {"--rate", "1000"});
+  expect_refused(run_program(folder, slow), "is asked for 80 messages per second");
+  BoardSettings far;
+  far.answer_ns = 4'500'000;
+  board = std::move(*BoardTerminal::open(far));
+  expect_refused(run_program(folder, arguments("2")), " of 1000 messages per second");
 }
 
 // Calls the function on a thread whose children get no SCHED_FIFO, not even those of root.
@@ -449,7 +594,7 @@ void without_fifo(const std::function<void()>& function) {
 TEST_F(DeviceRunProgram, RefusesMotorsWithoutRealTimeScheduling) {
   without_fifo([&] {
     const Outcome outcome = run_program(folder, {"run", scene, "--device", device()});
-    expect_refused(outcome, "write `* - rtprio 90` to /etc/security/limits.d/palpate.conf");
+    expect_refused(outcome, "write `* - rtprio 90` to /etc/security/limits.d/palpate.conf", 4);
     EXPECT_NE(outcome.err.find("--without-realtime"), std::string::npos) << outcome.err;
   });
 }

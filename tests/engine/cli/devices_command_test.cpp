@@ -29,6 +29,9 @@ TEST(DevicesCommand, ListsTheKeysThatTheOptionAccepts) {
   EXPECT_EQ(list.exit_code, 0);
   EXPECT_EQ(list.err, "");
   EXPECT_NE(list.out.find("delay from a sample to the force: unknown\n"), std::string::npos);
+  EXPECT_NE(list.out.find("its walls at 1000 Hz and a delay of 3.1 ms: "), std::string::npos)
+      << list.out;
+  EXPECT_NE(list.out.find("(of a bare tip: 0.1 kg, 0.5 N s/m, 3.1 ms)\n"), std::string::npos);
   // The error of an unknown key names them all.
   const std::string error =
       make_device("--device", "hapi:no-such-key=1", false).error().to_string();
@@ -48,6 +51,25 @@ TEST(DevicesCommand, RefusesBadArguments) {
   EXPECT_EQ(unknown.out, "");
   EXPECT_EQ(run_program(folder, {"devices", "--seconds", "1"}).exit_code, 2);
   EXPECT_EQ(run_program(folder, {"devices", "--simulate", "hapi", "--seconds", "0"}).exit_code, 2);
+  EXPECT_EQ(run_program(folder, {"devices", "--plant", "0.1,0.5,light,0.001"}).exit_code, 2);
+  for (const char* plant : {"0.1,0.5,light", "0.1,0.5,light,0.001,1", "0,0.5,light,0.001",
+                            "0.1,nan,light,0.001", "0.1,0.5,loose,0.001", "0.1,0.5,light,-1"}) {
+    const Outcome refused =
+        run_program(folder, {"devices", "--simulate", "hapi", "--plant", plant});
+    EXPECT_EQ(refused.exit_code, 2) << plant;
+    EXPECT_NE(refused.err.find("--plant: "), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.out, "");
+  }
+}
+
+TEST(DevicesCommand, StatesWhatBecameOfThePlant) {
+  PALPATE_NEEDS(test::lack_of_terminals());
+  const TemporaryFolder folder;
+  const Outcome done = run_program(folder, {"devices", "--simulate", "hapi", "--plant",
+                                            "0.1,0.5,light,0.001", "--seconds", "0.1"});
+  EXPECT_EQ(done.exit_code, 0);
+  EXPECT_NE(done.out.find("0 set-ups, 0 commands"), std::string::npos);
+  EXPECT_NE(done.out.find("plant: 0 probes"), std::string::npos);
 }
 
 TEST(DevicesCommand, EndsAfterTheGivenTime) {

@@ -312,7 +312,8 @@ TEST(RecordingCommand, OnlyTheLogOfTheFileItselfIsUsed) {
 
 // A recording holds its strategy: it replays to the bit, and answers what other strategies give.
 TEST(RecordingCommand, ARunWithAStrategyReplaysToTheBit) {
-  for (const std::string strategy : {"full", "a4", "a4-anticipate", "anisotropic:0.25", "cd"}) {
+  for (const std::string strategy :
+       {"full", "a4", "a4-anticipate", "a4-passive:2.5", "anisotropic:0.25", "cd"}) {
     const TemporaryFolder folder;
     record(folder, {"run", kStar, "--virtual", "--seconds", "5", "--strategy", strategy, "--record",
                     "a.palpate"});

@@ -332,10 +332,10 @@ TEST_F(CommandLine, GivesTheSameTraceByTheNameOfAStrategy) {
     EXPECT_EQ(without_times(named), without_times(trace({o[1], o[2]}))) << o[0];
     traces.insert(without_times(named));
   }
-  for (const char* name : {"a4-anticipate", "anisotropic:4", "cd"}) {
+  for (const char* name : {"a4-anticipate", "a4-passive:10", "anisotropic:4", "cd"}) {
     traces.insert(without_times(trace({"--strategy", name})));
   }
-  EXPECT_EQ(traces.size(), 7u);
+  EXPECT_EQ(traces.size(), 8u);
 }
 
 TEST_F(CommandLine, DampsByTheChosenVelocityEstimator) {

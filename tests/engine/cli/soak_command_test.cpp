@@ -58,6 +58,43 @@ TEST(SoakCommand, CountsAndTimesTheEffects) {
   EXPECT_NE(content_of(folder.path("out/soak.txt")).find("gravity active in"), std::string::npos);
 }
 
+// The rows of a table without its columns.
+std::ptrdiff_t rows_of(const std::string& csv) {
+  return std::count(csv.begin(), csv.end(), '\n') - 1;
+}
+
+TEST(SoakCommand, RunsTheChartOfDevicesTheSameWayAgain) {
+  const TemporaryFolder folder;
+  std::string first;
+  for (const char* out : {"one", "two"}) {
+    const Outcome done = run_program(
+        folder, {"soak", "--device", "--cases", "30", "--seed", "7", "--json", "--out", out});
+    const auto report = nlohmann::json::parse(done.out);
+    EXPECT_EQ(done.exit_code, report["broken_cases"].empty() ? 0 : 1) << done.err;
+    EXPECT_EQ(report["cases"], 30);
+    std::uint64_t cases = 0;
+    std::uint64_t broken = 0;
+    for (const auto& zone : report["zones"]) {
+      cases += zone["cases"].get<std::uint64_t>();
+      broken += zone["outcomes"]["swings"].get<std::uint64_t>() +
+                zone["outcomes"]["returns energy"].get<std::uint64_t>();
+    }
+    EXPECT_EQ(cases, 30u);
+    EXPECT_EQ(broken, report["broken_cases"].size());
+    const std::string csv = content_of(folder.path(std::string(out) + "/calm_chart.csv"));
+    EXPECT_EQ(rows_of(csv), 30);
+    EXPECT_EQ(rows_of(content_of(folder.path(std::string(out) + "/stiffness_zones.csv"))), 4 * 51);
+    if (first.empty()) first = csv;
+    EXPECT_EQ(csv, first);
+  }
+  const Outcome other =
+      run_program(folder, {"soak", "--device", "--cases", "30", "--seed", "8", "--rate", "1000"});
+  const std::string csv = content_of(folder.path("out/calm_chart.csv"));
+  EXPECT_EQ(rows_of(csv), 30);
+  EXPECT_NE(csv, first);
+  EXPECT_NE(other.out.find("zone of the stiffness"), std::string::npos);
+}
+
 TEST(SoakCommand, RefusesBadArgumentsAndLeavesNothing) {
   const TemporaryFolder folder;
   for (const auto& arguments : {std::vector<std::string>{"soak"},
@@ -68,7 +105,14 @@ TEST(SoakCommand, RefusesBadArgumentsAndLeavesNothing) {
                                 {"soak", kStar, "--rate", "0"},
                                 {"soak", kStar, "--cpu", "-1"},
                                 {"soak", kStar, "--virtual"},
-                                {"soak", "missing.glb"}}) {
+                                {"soak", "missing.glb"},
+                                {"soak", kStar, "--cases", "3"},
+                                {"soak", kStar, "--device"},
+                                {"soak", "--device", "--minutes", "1"},
+                                {"soak", "--device", "--stiffness", "300"},
+                                {"soak", "--device", "--cases", "0"},
+                                {"soak", "--device", "--rate", "249"},
+                                {"soak", "--device", "--rate", "10001"}}) {
     const Outcome refused = run_program(folder, arguments);
     EXPECT_EQ(refused.exit_code, 2) << refused.err;
     EXPECT_EQ(refused.out, "");

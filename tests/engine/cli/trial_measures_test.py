@@ -42,7 +42,8 @@ PLANS = [
      "operator": "literature", "followings": ["predict"]},
     # Strategies, with a limit of the force that the governor enforces.
     {"palpate_plan": 1, "participants": 1, "blocks": 1, "practice_blocks": 0,
-     "strategies": ["mask", "a4", "a4-anticipate", "anisotropic:4", "cd"], "name": "strategies",
+     "strategies": ["mask", "a4", "a4-anticipate", "a4-passive:2",
+                                          "anisotropic:4", "cd"], "name": "strategies",
      "seed": 13, "device": {**PAPER, "max_force_N": 5}, "display_Hz": 40, "sphere_radius_m": 0.006,
      "limit_s": 20, "objects": {"O1": "star.glb"}, "operator": "people2005",
      "followings": ["delayed"]},
@@ -146,6 +147,33 @@ def turns(contact, turning, wait):
     return empty
 
 
+def turning_energy(ticks, first, last):
+    """What turns add to the energy of the motors' part of the spring while the proxy is on one wall.
+    Before a turn, the motors' part of the stretch is that of the lag times the commanded part of the
+    projected force; after it, the start of the spring is that of the next tick."""
+    force, full = ticks.vectors("force"), ticks.vectors("full_force")
+    normal, pose = ticks.vectors("normal"), ticks.vectors("q", "wxyz")
+    lag = [rotated(q, minus(p, g)) for q, p, g in
+           zip(pose, ticks.vectors("proxy"), ticks.vectors("goal"))]
+    walls, turned = ticks.numbers("contacts"), ticks.numbers("rotation_deg")
+    governed = [names not in ("", "order") for names in ticks.texts("rules")]
+    energy = Sum()
+    for i in range(first + 1, last + 1):
+        if walls[i - 1] != 1 or walls[i] != 1 or normal[i - 1] != normal[i] or turned[i - 1] == 0:
+            continue
+        if governed[i - 1] or governed[i] or force[i][0] == 0 or full[i][0] == 0:
+            continue
+        length, n = norm(lag[i]), rotated(pose[i], normal[i])
+        start = (1 - force[i][0] / full[i][0]) * length
+        after = max(0.0, dot(lag[i - 1], n) - start) * abs(n[0])
+        part = force[i - 1][0] / full[i - 1][0] if force[i - 1][0] else 0.0
+        before = norm(lag[i - 1]) * part * abs(rotated(pose[i - 1], normal[i - 1])[0])
+        stiffness = norm(full[i]) / length
+        energy.add(max(0.0, stiffness / 2 * (after ** 2 - before ** 2)),
+                   stiffness * (length ** 2 + norm(lag[i - 1]) ** 2))
+    return energy.value()
+
+
 def strategy_measures(ticks, plan, first, last):
     """Exact measures, and expected value and bound of the others, of a plan with strategies. Drift
     has no value if the scene has turned."""
@@ -173,7 +201,8 @@ def strategy_measures(ticks, plan, first, last):
                                   round(0.1 * plan["device"]["rate_Hz"]))}
     count = last - first + 1
     near = {"wall_work_J": wall.value(), "largest_contact_work_J": max(works),
-            "governor_share": (governed / count, ROUNDING)}
+            "governor_share": (governed / count, ROUNDING),
+            "turning_energy_J": turning_energy(ticks, first, last)}
     if all(q == pose[0] for q in pose[first:]):
         near["mean_drift_m"] = drift.value(count)
         near["worst_drift_m"] = (worst, 16 * ROUNDING * worst)

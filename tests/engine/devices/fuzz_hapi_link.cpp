@@ -318,7 +318,7 @@ class Conversation {
   // What cannot be undone is rare.
   void end(std::uint8_t action) {
     if (action >> 4 == 1) {
-      for (Side* side : {&whole_, &single_}) side->guard.alive = false;
+      for (Side* side : {&whole_, &single_}) side->guard.at_present = GuardState::kEnded;
     } else if (action >> 4 == 2) {
       is_released_ = true;
       for (Side* side : {&whole_, &single_}) side->link.release();

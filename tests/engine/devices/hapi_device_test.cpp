@@ -74,10 +74,12 @@ class AtomicGuard final : public WriteGuard {
   void beat(std::int64_t, std::int64_t) noexcept override { ++beats; }
   std::uint64_t trip_epoch() const noexcept override { return epoch; }
   void acknowledge(std::uint64_t of_epoch) noexcept override { acknowledged = of_epoch; }
-  bool is_alive(std::int64_t) const noexcept override { return alive; }
+  bool was_suspended() const noexcept override { return suspended; }
+  GuardState state(std::int64_t) const noexcept override { return at_present; }
 
   std::atomic<std::uint64_t> epoch{0}, acknowledged{0}, beats{0};
-  std::atomic<bool> alive{true};
+  std::atomic<GuardState> at_present{GuardState::kAlive};
+  std::atomic<bool> suspended{false};
 };
 
 // Ticks at about 1 kHz until something happens. As the governor does, a tick commands zero if the
@@ -118,6 +120,38 @@ TEST(HapiDevice, GivesSamplesSendsForcesAndEndsWithZero) {
   EXPECT_GE(device.counts().answers, 100u);
   EXPECT_NE(device.summary().find(" answers, "), std::string::npos);
   EXPECT_EQ(device.descriptor(), -1);
+}
+
+// On a busy machine the thread may be late; then another start measures again.
+TEST(HapiDevice, StatesItsDelayAndTheRateOfItsLineFromTheStartOn) {
+  PALPATE_NEEDS(test::lack_of_terminals());
+  for (const std::int64_t answer_ns : {300'000, 3'000'000}) {
+    BoardSettings board_settings;
+    board_settings.answer_ns = answer_ns;
+    auto board = BoardTerminal::open(board_settings);
+    ASSERT_TRUE(board) << board.error().to_string();
+    HapiDevice device(settings_of(**board));
+    EXPECT_FALSE(device.description().delay.is_known());
+    EXPECT_EQ(device.line_rate().at_start_Hz, 0.0);
+    ASSERT_FALSE(device.start());
+    for (const BoardCommand& command : (*board)->log()) EXPECT_TRUE(is_zero(command));
+    const DelayInterval stated = device.description().delay;
+    ASSERT_TRUE(stated.is_known());
+    ASSERT_TRUE(is_delay(stated));
+    // The thread sends a message only after the answer to the last one.
+    EXPECT_GE(stated.most_s, 1e-9 * static_cast<double>(answer_ns));
+    const LineRate at_start = device.line_rate();
+    EXPECT_EQ(at_start.asked_Hz, 1000.0);
+    EXPECT_GT(at_start.at_start_Hz, 0.0);
+    EXPECT_LE(at_start.at_start_Hz, std::min(1000.0, 1e9 / static_cast<double>(answer_ns)));
+    EXPECT_EQ(at_start.delay, DelayInterval{});
+    EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.sequence > 400; }));
+    EXPECT_GT(device.line_rate().delay.least_s, 0.0);
+    EXPECT_GT(device.line_rate().in_session_Hz, 0.0);
+    EXPECT_EQ(device.description().delay, stated);
+    device.command({});
+    device.stop();
+  }
 }
 
 TEST(HapiDevice, StopSendsZeroAlsoWithoutAZeroCommand) {
@@ -275,6 +309,21 @@ TEST(HapiDevice, NamesAPortWithoutAnAnswer) {
   device.stop();
 }
 
+// A device may be opened long before its session. What happened then was at zero force.
+TEST(HapiDevice, ATripBeforeTheSessionIsNotATripOfTheSession) {
+  PALPATE_NEEDS(test::lack_of_terminals());
+  const auto board = open_board();
+  HapiDevice device(settings_of(*board));
+  ASSERT_FALSE(device.start());
+  EXPECT_FALSE(device.read(1e-3).asks_for_trip);
+  const std::uint64_t set_ups = board->set_ups();
+  board->add_fault(fault_now(Kind::kSilence, 100'000'000));
+  EXPECT_TRUE(wait_until([&] { return board->set_ups() > set_ups; }));
+  EXPECT_TRUE(wait_until([&] { return !device.start() && !device.read(1e-3).asks_for_trip; }));
+  device.command({});
+  device.stop();
+}
+
 TEST(HapiDevice, AHangUpAsksForATrip) {
   PALPATE_NEEDS(test::lack_of_terminals());
   const auto board = open_board();
@@ -345,10 +394,10 @@ TEST(HapiDevice, CommandsZeroUntilItHasAGuardAndTripsWhenTheGuardHasGone) {
   guard.epoch = 1;
   EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.asks_for_trip; }));
   EXPECT_TRUE(push_until(device, [&](const auto&) { return guard.acknowledged == 1; }));
-  guard.alive = false;
+  guard.at_present = GuardState::kFrozen;
   EXPECT_TRUE(push_until(device, [](const auto& sample) { return sample.asks_for_trip; }));
   EXPECT_TRUE(wait_until([&] { return is_zero(board->log().back()); }));
-  EXPECT_NE(device.health().problem.find("guard"), std::string::npos);
+  EXPECT_NE(device.health().problem.find("the guard of the motors is frozen"), std::string::npos);
   device.set_guard(nullptr);
 }
 

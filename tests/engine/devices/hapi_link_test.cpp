@@ -109,6 +109,46 @@ TEST(HapiLink, TorquesHaveTheForceOfTheNewestTick) {
   EXPECT_GT((log.back().tip_m - log.front().tip_m).norm(), 0.01);
 }
 
+// A tick at 80 Hz is 12.5 ms long: its force holds until the next tick, and for five periods if
+// there is none.
+TEST(HapiLink, AForceOfSlowTicksIsHeldUntilTheNextTick) {
+  HapiRig rig;
+  rig.run_until_working();
+  const std::int64_t tick_ns = 12'500'000;
+  const auto tick = [&] { rig.link.set_force({{0.5, -0.25}, rig.now_ns, tick_ns}); };
+  const std::int64_t start_ns = rig.now_ns;
+  std::int64_t last_ns = 0;
+  for (int n = 0; n < 8; ++n) {
+    last_ns = rig.now_ns;
+    tick();
+    rig.run(tick_ns);
+  }
+  const auto pushed = rig.commands_since(start_ns + kMillisecond_ns);
+  EXPECT_GE(pushed.size(), 98u);
+  EXPECT_TRUE(std::none_of(pushed.begin(), pushed.end(), is_zero));
+  rig.run(100 * kMillisecond_ns);
+  for (const BoardCommand& command : rig.commands_since(last_ns + kMillisecond_ns)) {
+    ASSERT_EQ(is_zero(command), command.time_ns - last_ns > 5 * tick_ns) << command.time_ns;
+  }
+}
+
+TEST(HapiLink, CountsTheMessagesOfTheSlowestSecond) {
+  HapiRig rig;
+  rig.run_until_working();
+  rig.run(500 * kMillisecond_ns);
+  EXPECT_EQ(rig.link.counts().fewest_in_second, 0u);
+  rig.run(600 * kMillisecond_ns);
+  EXPECT_NEAR(static_cast<double>(rig.link.counts().fewest_in_second), 1000.0, 1.0);
+  BoardFault slow = rig.fault(Kind::kDelay, 0, 900 * kMillisecond_ns);
+  slow.delay_ns = 3 * kMillisecond_ns;
+  rig.board.add_fault(slow);
+  rig.run(2'000 * kMillisecond_ns);
+  const HapiCounts counts = rig.link.counts();
+  EXPECT_LT(counts.fewest_in_second, 500u);
+  EXPECT_GT(counts.fewest_in_second, 250u);
+  EXPECT_EQ(counts.missed, 0u);
+}
+
 TEST(HapiLink, CommandsZeroWithoutACalibration) {
   HapiSettings settings;
   settings.peak_torque_Nm = 0.1;
@@ -707,9 +747,31 @@ TEST(HapiLink, ATripOfTheGuardIsFollowedByZeroASetUpAndAnAcknowledgement) {
   EXPECT_FALSE(is_zero(rig.board.log().back()));
 }
 
+TEST(HapiLink, TellsASuspendedMachineFromASilentProgram) {
+  Pushing rig;
+  rig.guard.suspended = true;
+  rig.guard.epoch = 1;
+  rig.push(kPush_N, 10 * kMillisecond_ns);
+  EXPECT_EQ(rig.link.sample().trips, 1u);
+  EXPECT_EQ(rig.link.sample().problem, HapiProblem::kSuspended);
+}
+
+TEST(HapiLink, WithAFrozenGuardItCommandsZeroForEver) {
+  Pushing rig;
+  rig.guard.at_present = GuardState::kFrozen;
+  const std::int64_t frozen_ns = rig.now_ns;
+  rig.push(kPush_N, 50 * kMillisecond_ns);
+  rig.guard.at_present = GuardState::kAlive;  // too late: the run is over
+  rig.push(Vec2::Zero(), 2 * kMillisecond_ns);
+  rig.push(kPush_N, 50 * kMillisecond_ns);
+  EXPECT_TRUE(all_zero(rig.commands_since(frozen_ns)));
+  EXPECT_EQ(rig.link.sample().trips, 1u);
+  EXPECT_EQ(rig.link.sample().problem, HapiProblem::kGuardFrozen);
+}
+
 TEST(HapiLink, WithoutALivingGuardItCommandsZeroForEver) {
   Pushing rig;
-  rig.guard.alive = false;
+  rig.guard.at_present = GuardState::kEnded;
   const std::int64_t gone_ns = rig.now_ns;
   rig.push(kPush_N, 50 * kMillisecond_ns);
   rig.push(Vec2::Zero(), 2 * kMillisecond_ns);

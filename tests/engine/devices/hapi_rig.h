@@ -25,13 +25,15 @@ class FakeGuard final : public WriteGuard {
   }
   std::uint64_t trip_epoch() const noexcept override { return epoch; }
   void acknowledge(std::uint64_t of_epoch) noexcept override { acknowledged = of_epoch; }
-  bool is_alive(std::int64_t) const noexcept override { return alive; }
+  bool was_suspended() const noexcept override { return suspended; }
+  GuardState state(std::int64_t) const noexcept override { return at_present; }
 
   std::uint64_t epoch = 0;
   std::uint64_t acknowledged = 0;
   std::uint64_t beats = 0;
   std::int64_t last_beat_ns = 0;
-  bool alive = true;
+  GuardState at_present = GuardState::kAlive;
+  bool suspended = false;
 };
 
 // A board that pushes: 0.1 N m a number of 0.1, peaks of 0.1 N m.

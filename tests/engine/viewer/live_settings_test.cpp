@@ -458,7 +458,7 @@ TEST(PageSettings, ChangeAndShowEveryValue) {
 
 // A4 and the force belong to a strategy; everything else can be changed.
 TEST(PageSettings, OfAStrategyAreRefusedByItsName) {
-  for (const std::string strategy : {"a4-anticipate", "anisotropic:4", "cd"}) {
+  for (const std::string strategy : {"a4-anticipate", "a4-passive:10", "anisotropic:4", "cd"}) {
     const Scene& scene = star();
     RunSettings settings = planar_settings();
     settings.strategy = *parse_strategy(strategy);
