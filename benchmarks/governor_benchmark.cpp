@@ -27,7 +27,9 @@ namespace {
 
 constexpr double kDt_s = 1e-3;
 constexpr std::int64_t kDt_ns = 1'000'000;
-constexpr double kPush_N = 4.0;
+// A contact that is stable by itself on a device of unknown mechanics (kBareTip).
+constexpr double kStiffness_N_per_m = 100.0;
+constexpr double kDepth_m = 0.02;
 
 // Motors that keep all rules once the force has grown.
 DeviceDescription device_of(int motors, bool moves_motors) {
@@ -41,11 +43,12 @@ DeviceDescription device_of(int motors, bool moves_motors) {
     device.motors[i].direction_device = {i == 0 ? 1.0 : 0.3, i == 1 ? 1.0 : 0.1,
                                          i == 2 ? 1.0 : 0.0};
     device.motors[i].peak_force_N = 20.0;
+    device.motors[i].continuous_force_N = 5.0;
   }
   return device;
 }
 
-// Ticks of a governor in real time: a hand that slides in a circle and presses.
+// Ticks of a governor in real time: a hand that moves in a circle within a spring.
 class GovernedTicks {
  public:
   GovernedTicks(const DeviceDescription& device, bool turns)
@@ -53,20 +56,16 @@ class GovernedTicks {
     for (std::size_t n = 0; n < kSamples; ++n) {
       const double angle =
           2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(kSamples);
-      positions_m_[n] = {0.02 * std::cos(angle), 0.02 * std::sin(angle), 0.0};
-      Vec3 force_N = Vec3::Zero();  // in the span of the motors
-      for (int i = 0; i < device_.motor_count; ++i) {
-        const Vec3 along(device_.motors[static_cast<std::size_t>(i)].direction_device.data());
-        force_N += (i == 0 ? kPush_N : std::cos(angle)) * along;
-      }
-      forces_N_[n] = force_N;
+      const Vec3 lag_m(-kDepth_m * std::cos(angle), -kDepth_m * std::sin(angle), 0.0);
+      positions_m_[n] = {-lag_m.x(), -lag_m.y(), 0.0};
+      forces_N_[n] = kStiffness_N_per_m * lag_m;  // in the span of the motors
     }
     while (governor_.status().state != GovernorState::kRuns) tick(0.0);
   }
 
   const TickRecord& tick(double share = 1.0) {
     const std::size_t n = static_cast<std::size_t>(sample_.sequence++) % kSamples;
-    sample_.position_m = positions_m_[n];
+    for (std::size_t k = 0; k < 3; ++k) sample_.position_m[k] = share * positions_m_[n][k];
     now_ns_ += kDt_ns;
     const DeviceSample& used = governor_.begin_tick(sample_, {kDt_s, 0, now_ns_});
     if (turns_) {
@@ -77,7 +76,10 @@ class GovernedTicks {
     record_.faults = kFaultNone;
     record_.contact = 1;
     put(Vec3(share * forces_N_[n]), record_.force_device_N);
-    governor_.govern(record_);
+    ForceSources sources;
+    sources.stiffness_N_per_m = kStiffness_N_per_m;
+    sources.lag_m = share * kDepth_m;
+    governor_.govern(record_, sources);
     return record_;
   }
 
@@ -147,7 +149,9 @@ void run_governor(benchmark::State& state, const GovernorCase& governor_case) {
   }
   GovernedTicks ticks(device_of(governor_case.motors, governor_case.moves_motors),
                       governor_case.turns);
-  for (int n = 0; n < 10; ++n) ticks.tick();  // while the force grows
+  // The hand presses in, so that the force grows with its way.
+  constexpr int kPressing = 2000;
+  for (int n = 1; n <= kPressing; ++n) ticks.tick(static_cast<double>(n) / kPressing);
   std::uint32_t faults = kFaultNone, rules = 0;
   std::int64_t now_ns = monotonic_ns();
   for (auto _ : state) {
@@ -188,6 +192,7 @@ void register_governor_benchmarks() {
        {GovernorCase{.name = "simulated_hand", .moves_motors = false},
         GovernorCase{.name = "three_motors"},
         GovernorCase{.name = "two_turning_motors", .motors = 2, .turns = true},
+        GovernorCase{.name = "three_turning_motors", .turns = true},
         GovernorCase{.name = "three_motors_with_heartbeat", .beats = true},
         GovernorCase{.name = "two_turning_motors_with_heartbeat",
         .motors = 2,

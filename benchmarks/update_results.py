@@ -23,6 +23,7 @@ import compare_results  # noqa: E402
 import contour_results  # noqa: E402
 import experiment_results  # noqa: E402
 import groove_figure  # noqa: E402
+import passive_results  # noqa: E402
 import result_tables as tables  # noqa: E402
 import session_results  # noqa: E402
 import soak_results  # noqa: E402
@@ -176,6 +177,7 @@ def blocks_of(root, machines):
     experiment = experiment_results.read(root / "benchmarks/results/experiment")
     contours = contour_results.read(root / "benchmarks/results/contour_angles.csv")
     comparison = compare_results.read(root / "benchmarks/results/compare")
+    budgets = passive_results.read(root / "benchmarks/results/compare")
     soaks = soak_results.read(root / "benchmarks/results/soak")
     view = session_results.read_view(root / "benchmarks/results/view/times.csv")
     frames = session_results.read_frames(root / "benchmarks/results/view/frames.json")
@@ -193,7 +195,8 @@ def blocks_of(root, machines):
                                   "findings": experiment_results.findings_block(experiment),
                                   "rules": contour_results.rules_block(contours)},
         STUDY / "comparisons.md": {"compare": compare_results.block(comparison),
-                                   "a4_losses": compare_results.losses_block(comparison)},
+                                   "a4_losses": compare_results.losses_block(comparison),
+                                   "a4_passive": passive_results.block(budgets)},
         STUDY / "sweeps.md": {"sweep": sweep_figure.block(root / "benchmarks/results/sweep")},
         STUDY / "soak.md": {"soaks": soak_results.block(soaks)},
         STUDY / "accuracy.md": of_machines("accuracy"),
@@ -231,8 +234,10 @@ def figures_of(root):
     """{path: content} of the figures that our own code draws."""
     folder = root / "benchmarks/results/paper_objects"
     sweep = root / "benchmarks/results/sweep"
+    compare = root / "benchmarks/results/compare"
     try:
         return {folder / "a4.svg": a4_figure.svg_of(folder),
+                compare / "a4_passive.svg": passive_results.draw(passive_results.read(compare)),
                 sweep / "a4_helps.svg": sweep_figure.svg_of(sweep),
                 root / "haptics/proxy/groove.svg": groove_figure.draw()}
     except (OSError, ValueError, KeyError) as error:

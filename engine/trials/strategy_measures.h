@@ -27,6 +27,11 @@ namespace palpate {
 // - Drift: the distance of the scene's origin from its place in the first tick of the trial. If the
 //   scene has turned, the distance has no meaning, and there is no value.
 // - Governor share: ticks in which a rule of the safety governor acted on the force.
+// - Turning energy: what A4's turns add to the energy of the part of the spring that the motors
+//   have, K/2 e^2 cos^2(a), sum over turns by which it grows; a is the contact angle, e the depth
+//   of the spring as the motors have it (a4_passive.h). The sum has the turns after which the
+//   proxy is still on the same wall. K is the full force over the lag, which is the stiffness in
+//   a contact without effects and damper. Ticks in which the governor acted do not count.
 class StrategyMeasures {
  public:
   static constexpr double kTouchWait_s = 0.1;
@@ -44,6 +49,7 @@ class StrategyMeasures {
   void add_work(const TickRecord& record) noexcept;
   void add_turn(const TickRecord& record) noexcept;
   void add_drift(const TickRecord& record) noexcept;
+  void add_turning_energy(const TickRecord& record) noexcept;
 
   std::uint64_t touch_wait_ticks_;
   ScenePose home_;
@@ -64,6 +70,9 @@ class StrategyMeasures {
   bool has_turned_ = false;
   double drift_sum_m_ = 0.0;
   double worst_drift_m_ = 0.0;
+
+  TickRecord last_;  // for the turning energy
+  double turning_energy_J_ = 0.0;
 };
 
 }  // namespace palpate

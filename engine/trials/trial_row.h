@@ -44,6 +44,7 @@ enum MeasureIndex : std::size_t {
   kMeanDrift,
   kWorstDrift,
   kGovernorShare,
+  kTurningEnergy,
   kMeasureCount
 };
 // How many measures a file without strategies has: the first ones.

@@ -224,6 +224,8 @@ Columns columns_of_strategy_measures() {
       measure(kWorstDrift, kNotNegative, "worst_drift_m", "m", "largest such distance"),
       measure(kGovernorShare, kNotNegative, "governor_share", "1",
               "share of the ticks in which the governor changed the force"),
+      measure(kTurningEnergy, kNotNegative, "turning_energy_J", "J",
+              "energy that turns of the scene added to the spring of the motors, on one wall"),
   };
 }
 

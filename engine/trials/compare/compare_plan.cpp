@@ -123,7 +123,9 @@ std::vector<Strategy> tuned_levels() {
 std::string every_strategy() {
   std::string list;
   for (const StrategyType* type : strategies()) {
-    if (type->parameter && type->name != kTunedStrategy) continue;
+    if (type->parameter && !type->parameter->value_of_name_alone && type->name != kTunedStrategy) {
+      continue;
+    }
     list += (list.empty() ? "" : ",") + std::string(type->name);
   }
   return list;

@@ -21,8 +21,8 @@ inline constexpr std::string_view kTunedStrategy = kAnisotropicStrategy.name;
 // The values of E that are tried.
 inline constexpr std::array<double, 6> kTunedAnisotropies = {1.0 / 16, 0.25, 0.5, 2.0, 4.0, 16.0};
 std::vector<Strategy> tuned_levels();
-// The list of all strategies, and the same for a help text. Of those with a parameter, only
-// kTunedStrategy is in the list.
+// The list of all strategies, and the same for a help text. Of those that need a
+// number, only kTunedStrategy is in the list.
 std::string every_strategy();
 std::string strategies_help();
 

@@ -139,7 +139,7 @@ TEST(StrategyTrialsFile, HasTheNewMeasuresAndTheStrategyBeforeTheLevelsOfThePlan
   ASSERT_TRUE(plain.ends_with(",missed_deadlines" + levels));
   EXPECT_EQ(columns, plain.substr(0, plain.size() - levels.size()) +
                          ",wall_work_J,largest_contact_work_J,empty_turns,mean_drift_m,"
-                         "worst_drift_m,governor_share,strategy" +
+                         "worst_drift_m,governor_share,turning_energy_J,strategy" +
                          levels);
   const std::string text = columns_csv(TrialColumns::kStrategies);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
@@ -220,8 +220,8 @@ TEST(Comparison, RunsEveryHandOnceWithEachStrategyOnEachScene) {
     EXPECT_EQ(each.counts.trials, 10) << each.strategy;
   }
   const auto json = Json::parse(bytes_of(folder.path("out/comparison.json")));
-  EXPECT_EQ(json["means"].size(), 3u * 16u * 10u);
-  EXPECT_EQ(json["tuning"].size(), 3u * 16u * 6u);
+  EXPECT_EQ(json["means"].size(), 3u * 17u * 10u);
+  EXPECT_EQ(json["tuning"].size(), 3u * 17u * 6u);
 }
 
 TEST(Comparison, GivesTheSameBytesWithAnyNumberOfJobs) {

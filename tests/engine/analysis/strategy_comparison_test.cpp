@@ -3,6 +3,7 @@
 
 #include "engine/analysis/strategy_comparison.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -362,6 +363,54 @@ TEST(StrategyMeasures, CountsTicksInWhichTheGovernorActedOnTheForce) {
   ticks[4].rules = kRuleOrder;
   ticks[5].faults = kFaultSolverCapped;
   EXPECT_EQ(measured(ticks)[kGovernorShare], 3.0 / 8.0);
+}
+
+// A wall at 60 deg to A1, 10 mm above the device point, turns to 30 deg under A4. The motor along
+// A1 gives a part of its force, before the turn and after it.
+std::vector<TickRecord> turning_wall(double part_before, double part_after) {
+  std::vector<TickRecord> ticks(2, tick(0, 0, true));
+  const double degrees[] = {60.0, 30.0};
+  const double parts[] = {part_before, part_after};
+  for (std::size_t i = 0; i < 2; ++i) {
+    TickRecord& record = ticks[i];
+    const double angle = degrees[i] * std::numbers::pi / 180.0;
+    const Vec3 n(std::cos(angle), std::sin(angle), 0.0);
+    const Quat turned = Quat::FromTwoVectors(Vec3::UnitY(), n);
+    put(ScenePose{turned, Vec3::Zero()}, record.q_before_wxyz, record.o_before_m);
+    record.contacts = 1;
+    record.proxy_scene_m[1] = 10e-3 * (i == 0 ? 1.0 : std::cos(std::numbers::pi / 6));
+    record.alpha_rad = angle;
+    const Vec3 full_N = 1000.0 * record.proxy_scene_m[1] * n;
+    put(full_N, record.full_force_device_N);
+    put(Vec3(parts[i] * full_N.x(), 0.0, 0.0), record.force_device_N);
+  }
+  ticks[0].rotation_rad = std::numbers::pi / 6;
+  std::copy_n(ticks[1].q_before_wxyz, 4, ticks[0].q_after_wxyz);
+  return ticks;
+}
+
+TEST(StrategyMeasures, CountsWhatTurnsAddToTheSpringOfTheMotors) {
+  const auto energy_J = [](const std::vector<TickRecord>& ticks) {
+    return *measured(ticks)[kTurningEnergy];
+  };
+  // 500 N/m times the square of e cos(a): e = 10 mm at 60 deg, 8.66 mm at 30 deg.
+  const double before_J = 500.0 * 25e-6;
+  const double after_J = 500.0 * 56.25e-6;
+  expect_near(energy_J(turning_wall(1.0, 1.0)), after_J - before_J);
+  expect_near(energy_J(turning_wall(0.5, 1.0)), after_J - 0.25 * before_J);
+  expect_near(energy_J(turning_wall(0.5, 0.5)), 0.25 * (after_J - before_J));
+  EXPECT_EQ(energy_J(turning_wall(1.0, 0.5)), 0.0) << "a turn that adds nothing";
+  EXPECT_EQ(energy_J(turning_wall(1.0, 0.0)), 0.0) << "no force";
+  auto ticks = turning_wall(1.0, 1.0);
+  ticks[1].rules = kRuleClamp;
+  EXPECT_EQ(energy_J(ticks), 0.0);
+  ticks[1].rules = kRuleOrder;
+  expect_near(energy_J(ticks), after_J - before_J);
+  ticks[1].normal_scene[1] = 0.5;
+  EXPECT_EQ(energy_J(ticks), 0.0) << "another wall";
+  ticks = turning_wall(1.0, 1.0);
+  ticks[0].rotation_rad = 0.0;
+  EXPECT_EQ(energy_J(ticks), 0.0) << "no turn";
 }
 
 }  // namespace

@@ -28,6 +28,8 @@ TEST(CompareList, ReadsNamesInOrder) {
   EXPECT_EQ(settings.strategies[3].parameter, 2.0);
   EXPECT_FALSE(settings.is_tuned);
   EXPECT_TRUE(settings_of("anisotropic").is_tuned);
+  EXPECT_EQ(settings_of("a4-passive").strategies[0], *parse_strategy("a4-passive"));
+  EXPECT_EQ(every_strategy(), "none,mask,full,a4,a4-anticipate,a4-passive,anisotropic,cd");
 }
 
 TEST(CompareList, RefusesUnknownEmptyAndRepeatedNames) {
@@ -40,6 +42,7 @@ TEST(CompareList, RefusesUnknownEmptyAndRepeatedNames) {
       {"anisotropic:32", "from 0.0625 to 16"},
       {"anisotropic:", "from 0.0625 to 16"},
       {"mask,a4,mask", "has mask twice"},
+      {"a4-passive,a4-passive:10", "has a4-passive:10 twice"},
       {"anisotropic,anisotropic", "has anisotropic twice"},
       {"anisotropic:2,anisotropic:2.0", "has anisotropic:2.0 twice"},
       {"anisotropic:4,anisotropic", "has both anisotropic and anisotropic:4"}};
