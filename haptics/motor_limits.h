@@ -11,6 +11,10 @@
 
 namespace palpate {
 
+// A scaled force must not exceed its limit by rounding. Its length rounds in three products, two
+// sums, a root, a quotient and the scaling, each of them by half an epsilon at most.
+inline constexpr double kBelowLimit = 1.0 - 8 * std::numeric_limits<double>::epsilon();
+
 // The span of the motors' directions, and the force of each motor that adds up to a given force.
 //
 // Thread-safety: immutable. No function allocates or throws, so that a device whose motors turn can

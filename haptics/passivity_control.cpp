@@ -132,7 +132,7 @@ void PassivityControl::soften(const Tick& tick) noexcept {
       stiffness_ =
           std::max(PassivityLimits::kLeastStiffness,
                    stiffness_ * (1.0 - std::min(0.5, period_s_ / PassivityLimits::kSoftening_s)));
-    } else {
+    } else if (!tick.force_N.isZero(0.0)) {  // without a force, nothing grows
       unstable_s_ += period_s_;
     }
     return;

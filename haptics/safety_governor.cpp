@@ -19,10 +19,6 @@ std::int64_t longer_ns(double time_s, double periods, std::int64_t period_ns) {
                                 std::llround(periods * static_cast<double>(period_ns)));
 }
 
-// A scaled force must not exceed its limit by rounding. Its length rounds in three products, two
-// sums, a root, a quotient and the scaling, each of them by half an epsilon at most.
-constexpr double kBelow = 1.0 - 8 * std::numeric_limits<double>::epsilon();
-
 std::span<const MotorDescription> motors_of(const DeviceDescription& device) {
   return std::span(device.motors)
       .first(static_cast<std::size_t>(
@@ -37,7 +33,7 @@ bool is_far_below(const Vec3& v, double limit) {
 
 // The factor that shortens a force of this length to a limit, at most 1.
 double factor_to(double limit_N, double length_N) {
-  return length_N > limit_N ? kBelow * limit_N / length_N : 1.0;
+  return length_N > limit_N ? kBelowLimit * limit_N / length_N : 1.0;
 }
 double factor_to(double limit_N, const Vec3& force_N) {
   return is_far_below(force_N, limit_N) ? 1.0 : factor_to(limit_N, force_N.norm());
@@ -274,7 +270,7 @@ double SafetyGovernor::find_factor(TickRecord& record, const ForceSources& sourc
   double factor = marked(factor_to(clamp_N_, pushed_N_), kRuleClamp, record);
   if (limits_motors_) {
     const double peaks = motors_.scale(pushed_N_);
-    factor = std::min(factor, marked(peaks < 1.0 ? kBelow * peaks : 1.0, kRulePeak, record));
+    factor = std::min(factor, marked(peaks < 1.0 ? kBelowLimit * peaks : 1.0, kRulePeak, record));
   }
   if (!moves_motors_) return factor;
   factor = std::min(factor, marked(workspace_factor(record), kRuleWorkspace, record));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "haptics/nanoseconds.h"
@@ -92,7 +91,6 @@ bool SafetyGovernor::is_glitch() const noexcept {
 
 double SafetyGovernor::restart_factor(const ForceSources& sources) noexcept {
   SpringRestart::Tick tick;
-  const double step_s = seconds(ramp_step_ns_);
   tick.stiffness_N_per_m = control_.stiffness() * sources.stiffness_N_per_m;
   tick.spring_N = tick.stiffness_N_per_m * sources.lag_m;
   tick.way_m = way_m_.norm();
@@ -102,7 +100,7 @@ double SafetyGovernor::restart_factor(const ForceSources& sources) noexcept {
   tick.nodes_moved = sources.nodes_moved;
   tick.share = std::min(start_share(), ease_share());
   tick.owed_J = std::max(0.0, control_.account_J());
-  tick.step_s = step_s;
+  tick.step_s = seconds(ramp_step_ns_);
   return restart_.factor(tick);
 }
 
@@ -217,9 +215,7 @@ Vec3 SafetyGovernor::limited(const Vec3& force_N) const noexcept {
   double factor = motors_.scale(force_N);
   const double length_N = force_N.norm();
   if (length_N > clamp_N_) factor = std::min(factor, clamp_N_ / length_N);
-  // A scaled force must not exceed its limit by rounding (kBelow in safety_governor.cpp).
-  constexpr double kBelow = 1.0 - 8 * std::numeric_limits<double>::epsilon();
-  return factor < 1.0 ? Vec3(kBelow * factor * force_N) : force_N;
+  return factor < 1.0 ? Vec3(kBelowLimit * factor * force_N) : force_N;
 }
 
 // The force after a trip.

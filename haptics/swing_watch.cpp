@@ -13,7 +13,8 @@ void SwingWatch::add(const Vec3& force_N, double least_N, std::int64_t now_ns) n
     Axis& axis = axes_[k];
     axis.add(force_N[static_cast<int>(k)], least_N, now_ns);
     if (axis.swings)
-      swing_rad_per_s_ = std::max(swing_rad_per_s_, std::numbers::pi / axis.halves_s[0]);
+      swing_rad_per_s_ = std::max(swing_rad_per_s_,
+                                  2.0 * std::numbers::pi / (axis.halves_s[0] + axis.halves_s[1]));
   }
 }
 
@@ -61,10 +62,17 @@ bool SwingWatch::Axis::is_swing() const noexcept {
          sizes_N[0] > (1.0 - kLostShare) * sizes_N[kSteady - 1];
 }
 
+// The periods are compared, and not the half-swings: a tip that bounces is longer off the surface
+// than on it.
 bool SwingWatch::Axis::is_regular(std::size_t half_swings) const noexcept {
-  const auto [least, most] = std::minmax_element(
-      halves_s.begin(), halves_s.begin() + static_cast<std::ptrdiff_t>(half_swings));
-  return *most < kSteadyTime * *least;
+  double least_s = halves_s[0] + halves_s[1];
+  double most_s = least_s;
+  for (std::size_t n = 1; n + 1 < half_swings; ++n) {
+    const double period_s = halves_s[n] + halves_s[n + 1];
+    least_s = std::min(least_s, period_s);
+    most_s = std::max(most_s, period_s);
+  }
+  return most_s < kSteadyTime * least_s;
 }
 
 }  // namespace palpate

@@ -14,8 +14,8 @@ namespace palpate {
 // is the way from one extreme to the next. It is a swing if
 // - of the last kGrowing half-swings (three periods), each is larger than the one two before it, or
 // - the last kSteady half-swings have lost less than kLostShare of the first,
-// and if all of them took between kShortest_s and kLongest_s, and each of them about as long as
-// the others (kSteadyTime). A hand that moves as it likes is not as regular; and a tip of 0.1 kg
+// and if all of them took between kShortest_s and kLongest_s, and each period about as long as the
+// others (kSteadyTime). A hand that moves as it likes is not as regular; and a tip of 0.1 kg
 // and 0.5 N s/m, which swings freely on a spring, loses more. A swing ends when it is small or
 // stops.
 //
@@ -27,7 +27,8 @@ class SwingWatch {
   static constexpr std::size_t kGrowing = 6;
   static constexpr std::size_t kSteady = 7;
   static constexpr double kLostShare = 0.5;
-  static constexpr double kSteadyTime = 1.5;  // the longest is shorter than this times the shortest
+  // The longest period is shorter than this times the shortest.
+  static constexpr double kSteadyTime = 1.15;
 
   // least_N: the smallest half-swing, > 0. Smaller ones are not seen, and a swing ends with them.
   void add(const Vec3& force_N, double least_N, std::int64_t now_ns) noexcept;

@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "haptics/motor_limits.h"
 #include "haptics/safety_governor.h"
 
 namespace palpate {
-namespace {
-
-// A scaled force must not exceed its limit by rounding: two products, a sum, a root, a quotient and
-// the scaling round, each by half an epsilon at most, and the torque in two more steps.
-constexpr double kBelowLimit = 1.0 - 8 * std::numeric_limits<double>::epsilon();
-
-}  // namespace
 
 std::optional<HapiPose> hapi_pose(const FiveBar& bar, const HapiNumbers& angles_deg) noexcept {
   HapiPose pose;
