@@ -373,7 +373,7 @@ class Conversation {
     const std::int64_t oldest_ns =
         std::max<std::int64_t>(10 * kMillisecond_ns, std::llround(5e9 / settings_.rate_Hz));
     require(whole_.link.sample().is_working && has_had_zero_, "no torque after a trip");
-    require(whole_.guard.alive, "no torque without a guard");
+    require(whole_.guard.at_present == GuardState::kAlive, "no torque without a guard");
     require(!is_released_, "no torque after the release");
     require(tick_ns_ != 0 && now_ns_ - tick_ns_ <= oldest_ns, "no torque of an old tick");
   }
