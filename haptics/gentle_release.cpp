@@ -42,8 +42,9 @@ Vec3 GentleRelease::force(const Vec3& way_m, std::int64_t step_ns,
     way_m_.setZero();
   }
   const double left = 1.0 - static_cast<double>(age_ns_) / static_cast<double>(fall_ns_);
-  held_N_ =
-      left * (has_moved_ ? Vec3(std::min(0.0, before_N_.dot(direction_)) * direction_) : before_N_);
+  Vec3 resists_N = before_N_;
+  if (has_moved_) resists_N = std::min(0.0, before_N_.dot(direction_)) * direction_;
+  held_N_ = motors.part(left * resists_N);  // motors that have turned cannot push all of it
   return held_N_;
 }
 

@@ -3,6 +3,7 @@
 // The forces that a device's motors can push.
 
 #include <array>
+#include <cstddef>
 #include <limits>
 #include <span>
 
@@ -39,19 +40,38 @@ class MotorLimits {
   // motor without a share.
   Vec3 loads(const Vec3& force_N) const noexcept;
 
- private:
-  void find_rows() noexcept;
+  // False if no motor's load exceeds 1 under a force in the span. Faster than the loads.
+  bool may_overload(const Vec3& force_N) const noexcept {
+    return !are_below_half(continuous_N_, force_N);
+  }
 
-  int count_ = 0;
-  std::array<Vec3, 3> basis_;  // orthonormal, by Gram and Schmidt
+ private:
+  // An orthonormal basis of the span, by Gram and Schmidt. It leaves out dependent motors.
+  struct Basis {
+    Basis() noexcept = default;
+    Basis(const std::array<Vec3, 3>& directions, int count) noexcept;
+
+    int count = 0;
+    std::array<Vec3, 3> axes;
+    std::array<std::size_t, 3> motors{};  // the motor of each axis
+    // Upper triangular: the direction of motors[j] is sum_i of_motors(i, j) axes[i].
+    Mat3 of_motors = Mat3::Identity();
+  };
+
+  void find_rows() noexcept;
+  bool are_below_half(const std::array<double, 3>& limits_N, const Vec3& force_N) const noexcept;
+  double scale(const Vec3& force_N, const Basis& basis) const noexcept;
+
+  std::array<Vec3, 3> directions_;  // unit vectors
   std::array<double, 3> peak_N_{};
   std::array<double, 3> continuous_N_{};
-  std::array<int, 3> given_{};  // the index of each motor among those given
-  std::array<Vec3, 3> rows_;    // a motor's share of a force in the span is rows_[i] . force
-  // No motor can exceed half of its peak force under a force whose squared length is less than
-  // this; the half is far more than rounding.
-  double harmless_N2_ = std::numeric_limits<double>::infinity();
-  Mat3 to_basis_ = Mat3::Identity();  // upper triangular: motor j is sum_i to_basis_(i, j) basis_i
+  // A motor's share of a force in the span is rows_[i] . force.
+  std::array<Vec3, 3> rows_ = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  std::array<double, 3> row2_{};  // the squared length of each row
+  // Whether there are three motors that are clearly independent. Their basis is computed when it is
+  // needed, because its three steps wait for each other.
+  bool spans_all_ = false;
+  Basis basis_;
 };
 
 }  // namespace palpate

@@ -10,6 +10,7 @@
 #include "geometry/base/types.h"
 #include "haptics/device_mechanics.h"
 #include "haptics/force_history.h"
+#include "haptics/stiff_span.h"
 #include "haptics/swing_watch.h"
 
 namespace palpate {
@@ -44,6 +45,8 @@ struct PassivityLimits {
   // its encoder moves by one step; a half-swing is more.
   static constexpr double kFeltSwing_m = 20e-6;
   static constexpr double kSwingSteps = 1.25;
+  // A change of the force by more than this number of steps of the encoder tells the stiffness.
+  static constexpr double kSureSteps = 2.0;
 };
 
 // Observes the energy that sampling, hold and delay add to the force, and takes it out again with a
@@ -68,6 +71,16 @@ struct PassivityLimits {
 // the contact is damped until it ends. If the account grows all the same, the force becomes softer
 // until the contact ends, and at last the loop is unstable.
 //
+// Steps. Where the device rounds its positions (EncoderPath), what a swing of some steps seems to
+// leak and to lose is mostly rounding. u is then the span of the last changes (StiffSpan), and a
+// contact with K (tau + T / 2) > b has at least the damping that this leak needs by the stiffness
+// of the contact: of the spring's, or less if force and way of the last kAverage_s of the contact
+// show less. Where friction or texture change the force along a wall, this damps the slide, too.
+// The encoder does not see a swing of one step; half a step to each side stays.
+//
+// Rare samples. A way over several ticks has the mean of the forces that acted in them, and the
+// window of the velocity has as many samples as fit, at least one.
+//
 // After an interruption the hand may be fast, and the device's damping does not count: the motors
 // give the hand no more than was stored.
 //
@@ -77,7 +90,7 @@ struct PassivityLimits {
 class PassivityControl {
  public:
   struct Tick {
-    Vec3 p_device_m = Vec3::Zero();
+    Vec3 p_device_m = Vec3::Zero();  // EncoderPath
     bool has_way = false;            // there was a way since the last call
     double way_s = 0.0;              // its time
     Vec3 force_N = Vec3::Zero();     // of this tick, without the damping
@@ -97,8 +110,11 @@ class PassivityControl {
   Vec3 damping_N(const Tick& tick) noexcept;
   // The damping of the last tick, for a tick without a new sample.
   const Vec3& held_damping_N() const noexcept { return held_N_; }
-  // The last sample does not count: the next tick has no way.
-  void lose_way() noexcept { count_ = 0; }
+  // The last sample does not count: the next tick has no way, and no damping is held.
+  void lose_way() noexcept {
+    count_ = 0;
+    held_N_.setZero();
+  }
   // No force of the ticks before this one acts any more.
   void forget_forces() noexcept;
   // Adds the forces that were commanded in this tick: with and without damping.
@@ -106,6 +122,8 @@ class PassivityControl {
   // The factor of the stiffness, from kLeastStiffness to 1.
   double stiffness() const noexcept { return stiffness_; }
   bool is_unstable() const noexcept { return unstable_s_ > PassivityLimits::kUnstable_s; }
+  // The account that is_unstable() has seen.
+  double judged_J() const noexcept { return judged_J_; }
   double account_J() const noexcept { return std::max(ends_[0].account_J, ends_[1].account_J); }
   // The largest damping, N s/m.
   double largest_damping_Ns_per_m() const noexcept { return most_damping_; }
@@ -113,12 +131,25 @@ class PassivityControl {
   void clear() noexcept;
 
  private:
-  void observe(const Tick& tick, const Vec3& way_m) noexcept;
+  // Since the last sample: the sums of what acted, and of what was booked for it.
+  struct SinceSample {
+    int ticks = 0;
+    std::array<Vec3, 2> acting_N = {Vec3::Zero(), Vec3::Zero()};
+    Vec3 damping_N = Vec3::Zero();
+    double booked_J = 0.0;
+  };
+
+  void observe(const Tick& tick, const Vec3& way_m, const SinceSample& since) noexcept;
   void soften(const Tick& tick) noexcept;
   double leak_J() const noexcept { return std::max(ends_[0].leak_J, ends_[1].leak_J); }
   void pay(double energy_J) noexcept;
   double swing_rad_per_s() const noexcept;
+  std::size_t samples_of_window(double longest_hold_s) const noexcept;
+  double held_damping(double longest_hold_s) const noexcept;
   double wanted_damping(double speed_m_per_s) const noexcept;
+  bool has_steps() const noexcept { return quantum_m_ > 0.0; }
+  void learn_span(const Tick& tick) noexcept;
+  double known_damping(const Tick& tick) const noexcept;
 
   AssumedMechanics device_;
   double quantum_m_;
@@ -134,12 +165,18 @@ class PassivityControl {
   // The work of a damping force, booked in its tick and corrected when the force acts.
   std::array<double, 128> booked_J_{};
   std::size_t booked_ = 0;
+  // How many ticks the two histories above still hold a damping; without one, they stand still.
+  std::size_t damped_ticks_ = 0;
+
+  SinceSample since_;
 
   static constexpr std::size_t kPositions = 128;
   std::array<Vec3, kPositions> positions_m_;
+  std::array<Vec3, kPositions> forces_of_samples_N_;
   std::array<std::int64_t, kPositions> times_ns_{};
   std::size_t newest_ = 0;
-  std::size_t count_ = 0;  // of positions in a row
+  std::size_t count_ = 0;               // of positions in a row
+  std::size_t samples_with_force_ = 0;  // in a row
 
   // The account and the averaged leak, for each end of the delay interval.
   struct End {
@@ -153,11 +190,12 @@ class PassivityControl {
   Vec3 held_N_ = Vec3::Zero();
   Vec3 along_m_per_s_ = Vec3::Zero();  // of the damping of this tick
   std::int64_t last_force_ns_ = 0;
-  double held_damping_ = 0.0;     // the largest damping in this tick
   double counted_damping_ = 0.0;  // of the device, N s/m, in this tick
   double stiffness_ = 1.0;
   double unstable_s_ = 0.0;
+  double judged_J_ = 0.0;  // the account by which the contact was last judged
   SwingWatch swing_;
+  StiffSpan span_;  // of a device with steps
 };
 
 }  // namespace palpate

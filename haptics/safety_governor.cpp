@@ -66,6 +66,8 @@ SafetyGovernor::SafetyGovernor(const DeviceDescription& device, double clamp_N,
       workspace_high_m_(device.workspace_high_m),
       sensed_axes_(device.sensed_axes),
       motors_(motors_of(device)),
+      path_(device.encoder_quantum_m),
+      half_step_m_(device.moves_motors ? 0.5 * device.encoder_quantum_m : 0.0),
       mechanics_(assumed_mechanics(device)),
       control_(mechanics_, device.encoder_quantum_m),
       design_(settings.budgets),
@@ -103,6 +105,10 @@ void SafetyGovernor::find_times(const TickTime& time) noexcept {
   step_ns_ = is_measured ? std::max<std::int64_t>(0, time.now_ns - last_now_ns_) : period_ns_;
   last_now_ns_ = time.now_ns;
   late_ns_ = std::max(time.late_ns, step_ns_ - period_ns_);
+  if (paused_at_ns_ != 0 && time.now_ns - paused_at_ns_ > step_ns_) {  // motors cool in a pause
+    heat_.add(Vec3::Zero(), time.now_ns - paused_at_ns_ - step_ns_);
+  }
+  paused_at_ns_ = 0;
   now_ns_ += step_ns_;
   ramp_step_ns_ = std::min(step_ns_, longest_step_ns_);
 }
@@ -156,6 +162,7 @@ void SafetyGovernor::govern(TickRecord& record, const ForceSources& sources) noe
 }
 
 void SafetyGovernor::pause() noexcept {
+  if (last_now_ns_ != 0) paused_at_ns_ = last_now_ns_;
   last_now_ns_ = 0;  // the next tick is one period long
   last_force_N_.setZero();
   has_work_ = false;
@@ -283,9 +290,10 @@ double SafetyGovernor::find_factor(TickRecord& record, const ForceSources& sourc
     const GovernorRule rule = is_tripped() ? kRuleTripped : kRuleStart;
     factor = std::min(factor, marked(start_share(), rule, record));
   }
-  if (!watches_energy_) return factor;
-  const double heat = heat_.factor(motors_.loads(factor * pushed_N_));
-  return marked(heat, kRuleHeat, record) * factor;
+  heat_share_ = 1.0;
+  if (!watches_energy_ || !motors_.may_overload(pushed_N_)) return factor;
+  heat_share_ = marked(heat_.factor(motors_.loads(factor * pushed_N_)), kRuleHeat, record);
+  return heat_share_ * factor;
 }
 
 // The share of the force that an interruption has left.

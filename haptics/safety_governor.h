@@ -5,11 +5,13 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 
 #include "geometry/base/types.h"
+#include "haptics/encoder_path.h"
 #include "haptics/energy_budgets.h"
 #include "haptics/force_history.h"
 #include "haptics/force_sources.h"
@@ -96,6 +98,9 @@ struct GovernorStatus {
   // device that moves no motors has no delay.
   double given_J = 0.0;
   double given_late_J = 0.0;
+  // What the steps of the encoders leave uncertain of both, up and down: half a step for each
+  // change of the force. 0: the device states no step.
+  double encoder_J = 0.0;
   // The part of given_J that missing motors and A4 give by design: the work of the force that the
   // motors can push, less the work of the full force, which A4 and the missing motors do not
   // change (docs/inside/haptics.md has a formula).
@@ -151,8 +156,8 @@ struct TickTime {
 //   other trip the force is zero at once.
 //
 // Factors are not multiplied: the smallest one counts, but *soft* scales the spring of *restart*,
-// and *heat* scales what the others leave. Then the damping is added, and the slew
-// rule is the last one. A trip latches zero force until rearm().
+// and *heat* scales what the others leave, with the damping where there is one. The slew rule is
+// the last one, also of *release*. A trip latches zero force until rearm().
 //
 // Thread-safety: any thread may call rearm(); one thread calls all other functions. No function
 // allocates, locks or throws.
@@ -172,7 +177,7 @@ class SafetyGovernor {
   const DeviceSample& begin_tick(const DeviceSample& sample, const TickTime& time) noexcept;
   // Sets motors that turn with the device, at the pose of this tick's sample.
   void set_motors(std::span<const MotorDescription> motors) noexcept {
-    motors_ = MotorLimits(motors);
+    std::construct_at(&motors_, motors);  // in place: a copy would wait for what was just stored
   }
   // Whether govern() needs the sources of the force.
   bool needs_sources() const noexcept { return watches_energy_; }
@@ -221,6 +226,7 @@ class SafetyGovernor {
   double beyond_budgets_J(const TickRecord& record, const ForceSources& sources, const Vec3& even_N,
                           double factor) noexcept;
   Vec3 limited(const Vec3& force_N) const noexcept;
+  Vec3 cooled(const Vec3& force_N, TickRecord& record) const noexcept;
   Vec3 released(TickRecord& record) noexcept;
   double workspace_factor(const TickRecord& record) const noexcept;
   void limit_slew(Vec3& force_N, TickRecord& record) const noexcept;
@@ -250,6 +256,7 @@ class SafetyGovernor {
   std::int64_t late_ns_ = 0;
   std::int64_t now_ns_ = 0;  // sum of step_ns_
   std::int64_t last_now_ns_ = 0;
+  std::int64_t paused_at_ns_ = 0;  // last_now_ns_ of the tick before a pause; 0: there was none
 
   DeviceSample sample_;      // the newest one
   bool has_sample_ = false;  // sample_ is set
@@ -282,7 +289,11 @@ class SafetyGovernor {
   // Since the last good sample: its way, the sums of the forces that acted, and their number.
   bool has_way_ = false;
   bool is_gap_ = false;
-  Vec3 way_m_ = Vec3::Zero();
+  Vec3 way_m_ = Vec3::Zero();         // between the steps of the encoders (EncoderPath)
+  Vec3 sensed_way_m_ = Vec3::Zero();  // as the device reports it
+  EncoderPath path_;
+  Vec3 place_m_ = Vec3::Zero();  // of that sample
+  double half_step_m_ = 0.0;     // of the encoders
   Vec3 acted_N_ = Vec3::Zero(), acted_late_N_ = Vec3::Zero();
   int acted_ticks_ = 0;
   std::int64_t acted_ns_ = 0;
@@ -304,6 +315,7 @@ class SafetyGovernor {
   std::int64_t interrupted_ns_ = -1'000'000'000;  // the time of the last interruption
   SpringRestart restart_;
   MotorHeat heat_;
+  double heat_share_ = 1.0;  // what the rule *heat* leaves of this tick's force without damping
   GentleRelease release_;
 };
 

@@ -26,11 +26,13 @@ constexpr double kGlitchSpeed_m_per_s = 2.0 * GovernorLimits::kTopSpeed_m_per_s;
 void SafetyGovernor::find_way(const TickRecord& record) noexcept {
   has_way_ = is_gap_ = false;
   way_m_.setZero();
+  sensed_way_m_.setZero();
   way_work_J_ = 0.0;
   const bool is_bad = (record.faults & kFaultsWithoutForce) != 0;
   if (!watches_energy_) {
     if (is_bad) has_work_ = false;
     if (!is_bad && has_work_) way_m_ = vec3(record.device_m) - work_device_m_;
+    sensed_way_m_ = way_m_;
     has_way_ = !is_bad && has_work_;
     return;
   }
@@ -40,12 +42,19 @@ void SafetyGovernor::find_way(const TickRecord& record) noexcept {
   ++acted_ticks_;
   if (is_bad || !is_new_) return;
   has_way_ = has_work_;
+  if (!has_work_) path_.clear();
+  const Vec3 last_place_m = place_m_;
+  place_m_ = path_.add(vec3(record.device_m), seconds(acted_ns_));
   if (!has_work_) return;
-  way_m_ = vec3(record.device_m) - work_device_m_;
+  sensed_way_m_ = vec3(record.device_m) - work_device_m_;
+  way_m_ = place_m_ - last_place_m;
   way_ns_ = acted_ns_;
   if (is_glitch()) {
     has_way_ = false;
     way_m_.setZero();
+    sensed_way_m_.setZero();
+    path_.clear();
+    place_m_ = vec3(record.device_m);
   }
   is_gap_ = static_cast<double>(acted_ns_) >
             kGapPeriods * static_cast<double>(std::max(period_ns_, device_period_ns_));
@@ -86,14 +95,14 @@ void SafetyGovernor::add_work(const TickRecord& record) noexcept {
 // No hand moves as fast: the sample is wrong, and no work was done.
 bool SafetyGovernor::is_glitch() const noexcept {
   const double most_m = kGlitchSpeed_m_per_s * seconds(std::max(way_ns_, period_ns_));
-  return way_m_.squaredNorm() > most_m * most_m;
+  return sensed_way_m_.squaredNorm() > most_m * most_m;
 }
 
 double SafetyGovernor::restart_factor(const ForceSources& sources) noexcept {
   SpringRestart::Tick tick;
   tick.stiffness_N_per_m = control_.stiffness() * sources.stiffness_N_per_m;
   tick.spring_N = tick.stiffness_N_per_m * sources.lag_m;
-  tick.way_m = way_m_.norm();
+  tick.way_m = sensed_way_m_.norm();
   tick.work_J = -way_work_J_;
   tick.is_gap = is_gap_;
   tick.is_interrupted = is_interrupted_;
@@ -110,7 +119,8 @@ void SafetyGovernor::drive(Vec3& force_N, TickRecord& record, const ForceSources
   if (!is_tripped()) {
     control(force_N, record, sources, factor);
     if (control_.is_unstable()) {
-      trip(TripReason::kUnstable, control_.account_J(), PassivityLimits::kSoften_J, record);
+      trip(TripReason::kUnstable, control_.judged_J(), PassivityLimits::kSoften_J, record);
+      record.rules |= kRuleTripped;
     }
   }
   if (is_tripped()) {
@@ -121,6 +131,9 @@ void SafetyGovernor::drive(Vec3& force_N, TickRecord& record, const ForceSources
     last_missing_N_.setZero();
   }
   heat_.add(motors_.loads(force_N), step_ns_);
+  if (half_step_m_ > 0.0) {
+    status_.encoder_J += half_step_m_ * (force_N - commanded_.back(0)).lpNorm<1>();
+  }
   commanded_.push(force_N);
   status_.given_by_source_J = design_.given_J();
   status_.account_J = control_.account_J();
@@ -134,7 +147,7 @@ void SafetyGovernor::control(Vec3& force_N, TickRecord& record, const ForceSourc
   if (is_interrupted_ || is_gap_) interrupted_ns_ = now_ns_;
   // A vibration has its own budget, and what the delay makes of it does not swing by itself.
   Vec3 watched_N = even_N;
-  if (sources.has_effects) watched_N -= factor * sources.effects_N[0];
+  if (sources.has_effects) watched_N -= factor * motors_.part(sources.effects_N[0]);
   Vec3 damping_N = Vec3::Zero();
   if ((record.faults & kFaultsWithoutForce) != 0 || is_interrupted_) {
     control_.lose_way();
@@ -142,7 +155,7 @@ void SafetyGovernor::control(Vec3& force_N, TickRecord& record, const ForceSourc
     damping_N = control_.held_damping_N();
   } else {
     PassivityControl::Tick tick;
-    tick.p_device_m = vec3(record.device_m);
+    tick.p_device_m = place_m_;
     tick.has_way = has_way_ && way_ns_ > 0;
     tick.way_s = seconds(way_ns_);
     tick.force_N = watched_N;
@@ -160,7 +173,9 @@ void SafetyGovernor::control(Vec3& force_N, TickRecord& record, const ForceSourc
     const double against = -damping_N.dot(even_N);
     const double even2 = even_N.squaredNorm();
     if (against > even2) damping_N *= even2 / against;
-    force_N = limited(even_N + damping_N);
+    // A load beyond all numbers has left nothing of the force.
+    const Vec3 warm_N = heat_share_ > 0.0 ? Vec3(even_N / heat_share_) : even_N;
+    force_N = cooled(limited(warm_N + damping_N), record);
   }
   limit_slew(force_N, record);
   // What the rules have left of both parts.
@@ -218,6 +233,15 @@ Vec3 SafetyGovernor::limited(const Vec3& force_N) const noexcept {
   return factor < 1.0 ? Vec3(kBelowLimit * factor * force_N) : force_N;
 }
 
+// A force that no motor is too warm for.
+Vec3 SafetyGovernor::cooled(const Vec3& force_N, TickRecord& record) const noexcept {
+  if (!motors_.may_overload(force_N)) return force_N;
+  const double heat = heat_.factor(motors_.loads(force_N));
+  if (!(heat < 1.0)) return force_N;
+  record.rules |= kRuleHeat;
+  return heat * force_N;
+}
+
 // The force after a trip.
 Vec3 SafetyGovernor::released(TickRecord& record) noexcept {
   if (is_interrupted_ || sample_.asks_for_trip || (record.faults & kFaultNonFiniteForce) != 0) {
@@ -225,7 +249,9 @@ Vec3 SafetyGovernor::released(TickRecord& record) noexcept {
   }
   if (!release_.is_active()) return Vec3::Zero();
   const bool has_just_tripped = status_.trip.tick == record.tick;
-  const Vec3 force_N = limited(release_.force(way_m_, has_just_tripped ? 0 : step_ns_, motors_));
+  Vec3 force_N = cooled(
+      limited(release_.force(sensed_way_m_, has_just_tripped ? 0 : step_ns_, motors_)), record);
+  limit_slew(force_N, record);
   if (!force_N.isZero(0.0)) record.rules |= kRuleRelease;
   return force_N;
 }

@@ -22,6 +22,7 @@ DeviceDescription described(const ChartCase& c, const TipSettings& tip) {
     device.mass_kg = tip.mass_kg;
     device.damping_Ns_per_m = tip.damping_Ns_per_m;
   }
+  device.encoder_quantum_m = c.encoder_quantum_m;
   // An interval of a tenth; a delay of 0 is stated as an interval that ends a clock's step later.
   if (c.states_delay) device.delay = {0.9 * c.delay_s, std::max(c.delay_s, 1e-6)};
   return device;
@@ -36,6 +37,8 @@ PortLoopSettings loop_settings(const ChartCase& c) {
   settings.device.tip.hand = hand_of(c.grip);
   settings.device.device = described(c, settings.device.tip);
   settings.device.delay_s = c.delay_s;
+  settings.device.ticks_per_sample = c.ticks_per_sample;
+  settings.device.device.rate_Hz = c.rate_Hz / c.ticks_per_sample;
   const Mat3 turn = Eigen::AngleAxisd(c.turn_rad, Vec3::UnitZ()).toRotationMatrix();
   settings.device.start_m = kGap_m * (turn * Vec3::UnitX());
   return settings;
@@ -174,7 +177,7 @@ ChartCase ChartCase::random(std::uint64_t seed, std::uint64_t number) {
 Result<StiffnessZones> zones_of(const ChartCase& chart_case) {
   const PortLoopSettings settings = loop_settings(chart_case);
   return stiffness_zones(settings.device.device, settings.coupling.damping_Ns_per_m,
-                         1.0 / chart_case.rate_Hz);
+                         1.0 / chart_case.rate_Hz, settings.coupling.velocity);
 }
 
 Result<ChartResult> run_chart_case(const ChartCase& chart_case, const ChartOptions& options) {

@@ -42,8 +42,10 @@ struct ChartCase {
   double aim_rad = 0.0;        // of the throw and the push, from the shape's -x axis
   int motors = 2;              // as many as sensors
   double peak_force_N = 10.0;
-  bool states_mechanics = false;  // the device states its true mass and damping
-  bool states_delay = true;       // an interval that ends at the true delay
+  bool states_mechanics = false;   // the device states its true mass and damping
+  bool states_delay = true;        // an interval that ends at the true delay
+  double encoder_quantum_m = 0.0;  // the device's steps, which it states; 0: none
+  int ticks_per_sample = 1;        // of the device, which states its own rate
 
   // Case `number` of a seed. Stiffness and rate are uniform in their logarithms.
   static ChartCase random(std::uint64_t seed, std::uint64_t number);

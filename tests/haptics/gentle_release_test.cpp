@@ -159,6 +159,21 @@ TEST(GentleRelease, LooksAtTheMotionWithinTheSpanOfTheMotors) {
 }
 
 // Across a motor, up to rounding, a motion has no direction that the motor could resist.
+// The motors of a linkage turn with the device, also while the force falls.
+TEST(GentleRelease, StaysInTheSpanOfMotorsThatTurn) {
+  GentleRelease release;
+  release.begin({3.0, 4.0, 0.0});
+  for (int n = 0; n < kFallTicks; ++n) {
+    const double angle = 0.01 * n;
+    const Vec3 direction(std::cos(angle), std::sin(angle), 0.0);
+    const MotorLimits motor = motors_along({direction});
+    const Vec3 way_m = n < 5 ? Vec3(Vec3::Zero()) : Vec3(-1e-4 * direction);
+    const Vec3 force_N = release.force(way_m, kTick_ns, motor);
+    EXPECT_LE((force_N - force_N.dot(direction) * direction).norm(), 16 * kRound * 5.0) << n;
+    EXPECT_EQ(force_N.isZero(0.0), n + 1 == kFallTicks) << n;
+  }
+}
+
 TEST(GentleRelease, TakesRoundingForNoMotion) {
   Random random(4913);
   for (int n = 0; n < 1000; ++n) {

@@ -17,24 +17,28 @@ import sys
 import tempfile
 
 TESTS = [f"tests/haptics/{name}_test.cpp"
-         for name in ("safety_governor", "motor_heat", "gentle_release", "passivity_control",
-                      "spring_restart", "swing_watch", "energy_budgets", "force_history")]
+         for name in ("safety_governor", "governor_property", "governor_heat", "motor_heat",
+                      "gentle_release", "passivity_control", "spring_restart", "swing_watch",
+                      "energy_budgets", "force_history", "encoder_path", "stiff_span")]
 GOVERNOR = "haptics/safety_governor.cpp"
 MOTORS = "haptics/motor_limits.cpp"
 HEAT = "haptics/motor_heat.cpp"
 RELEASE = "haptics/gentle_release.cpp"
 ENERGY = "haptics/safety_governor_energy.cpp"
 CONTROL = "haptics/passivity_control.cpp"
+CONTROL_H = "haptics/passivity_control.h"
 RESTART = "haptics/spring_restart.cpp"
 SWING = "haptics/swing_watch.cpp"
 BUDGETS = "haptics/energy_budgets.cpp"
 HISTORY = "haptics/force_history.h"
+PATH = "haptics/encoder_path.cpp"
+SPAN = "haptics/stiff_span.h"
 SPEED = "haptics/strategies/speed_window.h"
 # The last one is unchanged: the tests need it.
-PROGRAM = [GOVERNOR, ENERGY, CONTROL, RESTART, SWING, BUDGETS, MOTORS, HEAT, RELEASE,
+PROGRAM = [GOVERNOR, ENERGY, CONTROL, RESTART, SWING, BUDGETS, MOTORS, HEAT, RELEASE, PATH,
            "geometry/base/decompositions.cpp"]
-SOURCES = [*PROGRAM, *TESTS]
-HEADERS = [SPEED, HISTORY,
+SOURCES = [*PROGRAM, *TESTS, "tests/haptics/governor_judge.cpp"]
+HEADERS = [SPEED, HISTORY, SPAN,
            *(source.replace(".cpp", ".h") for source in PROGRAM if source != ENERGY)]
 # A broken governor may run into an endless loop; the tests take some seconds.
 LONGEST_S = 120
@@ -69,7 +73,8 @@ MUTATIONS = {
          "scale = std::min(scale, peak_N / std::abs(motor_N[i]));",
          "scale = peak_N / std::abs(motor_N[i]);"),
         ("takes oblique motors for orthogonal ones", MOTORS,
-         "for (int j = i + 1; j < count_; ++j) along_N -= to_basis_(i, j) * motor_N[j];", ""),
+         "for (int j = i + 1; j < basis.count; ++j) along_N -= basis.of_motors(i, j) * motor_N[j];",
+         ""),
     ],
     "clamp": [
         ("has no clamp", GOVERNOR,
@@ -87,7 +92,7 @@ MUTATIONS = {
     ],
     "slew": [
         ("has no slew", ENERGY,
-         "  limit_slew(force_N, record);\n", ""),
+         "  limit_slew(force_N, record);\n  // What the rules", "  // What the rules"),
         ("does not count", GOVERNOR,
          "force_N *= marked(factor, kRuleSlew, record);", "force_N *= factor;"),
         ("does not let a reversal grow from zero", GOVERNOR,
@@ -215,9 +220,11 @@ MUTATIONS = {
     ],
     "trip": [
         ("does not cut the force", ENERGY,
-         "  if (is_tripped()) force_N = released(record);\n", ""),
+         "    force_N = released(record);\n", ""),
         ("ignores the device", GOVERNOR,
          "    if (sample_.asks_for_trip) trip(TripReason::kDevice, 0.0, 0.0, record);\n", ""),
+        ("of an unstable loop does not count", ENERGY,
+         "      record.rules |= kRuleTripped;\n", ""),
         ("counts each tick", GOVERNOR,
          "  if (is_tripped()) return;\n  status_.state", "  status_.state"),
     ],
@@ -243,9 +250,21 @@ MUTATIONS = {
         ("takes the forces for the loads", MOTORS,
          "= rows_[n].dot(force_N) / continuous_N_[n];", "= rows_[n].dot(force_N);"),
         ("confuses the motors", MOTORS,
-         "loads[given_[n]]", "loads[i]"),
+         "rows_[basis_.motors[static_cast<std::size_t>(i)]] = row *",
+         "rows_[static_cast<std::size_t>(i)] = row *"),
         ("takes oblique motors for orthogonal ones", MOTORS,
-         "row -= to_basis_(i, j) * rows_[static_cast<std::size_t>(j)];", ";"),
+         "      row -= basis_.of_motors(i, j) * rows_[basis_.motors[static_cast<std::size_t>(j)]];\n",
+         ""),
+        ("takes dependent motors for independent ones", MOTORS,
+         "spans_all_ = std::abs(determinant) > kClearlyIndependent;", "spans_all_ = true;"),
+        ("confuses the rows of three motors", MOTORS,
+         "rows_[1] = directions_[2].cross(directions_[0]);",
+         "rows_[1] = directions_[0].cross(directions_[2]);"),
+        ("takes a large load for a small one", MOTORS,
+         "0.25 * limits_N[n] * limits_N[n]", "25.0 * limits_N[n] * limits_N[n]"),
+        ("does not cool in a pause", GOVERNOR,
+         "    heat_.add(Vec3::Zero(), time.now_ns - paused_at_ns_ - step_ns_);\n", ""),
+        ("keeps the share of a tick before", GOVERNOR, "  heat_share_ = 1.0;\n", ""),
     ],
     "release": [
         ("drops the hand", RELEASE, "  is_active_ = force_N.allFinite();\n", ""),
@@ -257,15 +276,30 @@ MUTATIONS = {
         ("pushes along the motion", RELEASE,
          "std::min(0.0, before_N_.dot(direction_))", "before_N_.dot(direction_)"),
         ("keeps the part across the motion", RELEASE,
-         "Vec3(std::min(0.0, before_N_.dot(direction_)) * direction_)",
-         "Vec3(before_N_.dot(direction_) < 0.0 ? before_N_ : Vec3(Vec3::Zero()))"),
+         "resists_N = std::min(0.0, before_N_.dot(direction_)) * direction_;",
+         "resists_N *= before_N_.dot(direction_) < 0.0 ? 1.0 : 0.0;"),
         ("leaves the span of the motors", RELEASE,
          "const Vec3 part_m = motors.part(way_m_);", "const Vec3 part_m = way_m_;"),
+        ("leaves the span of motors that have turned", RELEASE,
+         "motors.part(left * resists_N)", "left * resists_N"),
+        ("begins with a jump", ENERGY,
+         "has_just_tripped ? 0 : step_ns_, motors_)), record);\n  limit_slew(force_N, record);\n",
+         "has_just_tripped ? 0 : step_ns_, motors_)), record);\n"),
+        ("is too much for a warm motor", ENERGY,
+         "cooled(\n      limited(release_.force(sensed_way_m_, has_just_tripped ? 0 : step_ns_, motors_)), "
+         "record);",
+         "limited(release_.force(sensed_way_m_, has_just_tripped ? 0 : step_ns_, motors_));"),
+        ("is not told", ENERGY,
+         "  if (!force_N.isZero(0.0)) record.rules |= kRuleRelease;\n", ""),
+        ("trusts what is bad", ENERGY,
+         "if (is_interrupted_ || sample_.asks_for_trip || (record.faults & kFaultNonFiniteForce) != 0) {",
+         "if (false) {"),
         ("takes rounding for a motion", RELEASE,
          "quantum_m_ + kWayRounding * way_m_.norm()", "quantum_m_"),
         ("takes a step of the encoder for a motion", RELEASE,
          "quantum_m_ + kWayRounding * way_m_.norm()", "kWayRounding * way_m_.norm()"),
-        ("drops a hand that rests", RELEASE, ": before_N_);", ": Vec3(Vec3::Zero()));"),
+        ("drops a hand that rests", RELEASE, "Vec3 resists_N = before_N_;",
+         "Vec3 resists_N = Vec3::Zero();"),
         ("swings with the hand", RELEASE,
          "++turns_ >= GentleReleaseLimits::kMostTurns", "false"),
         ("ends at the first turn", RELEASE,
@@ -291,22 +325,79 @@ MUTATIONS = {
          "    const double share = 1.0 / acted_ticks_;\n", "    const double share = 1.0;\n"),
     ],
     "damping": [
-        ("is not given", ENERGY, "    force_N = limited(even_N + damping_N);\n", ""),
+        ("is not given", ENERGY, "+ damping_N), record);", "), record);"),
         ("does not count", ENERGY, "    record.rules |= kRuleDamping;\n", ""),
-        ("is twice the largest", CONTROL, "return std::min(held_damping_, ",
-         "return std::min(20.0 * held_damping_, "),
+        ("is twice the largest", CONTROL, "const double most = held_damping(tick.longest_hold_s);",
+         "const double most = 2.0 * held_damping(tick.longest_hold_s);"),
         ("takes a leak for none", CONTROL,
-         "account_J_ += leak_J - counted_damping_ * motion + correction_J;",
-         "account_J_ += -counted_damping_ * motion + correction_J;"),
+         "account_J += leak_J - counted_damping_ * motion;",
+         "account_J += -counted_damping_ * motion;"),
         ("counts no damping of the device", CONTROL,
-         "account_J_ += leak_J - counted_damping_ * motion + correction_J;",
-         "account_J_ += leak_J + correction_J;"),
+         "account_J += leak_J - counted_damping_ * motion;", "account_J += leak_J;"),
+        ("is not corrected when it acts", CONTROL,
+         "    pay(share * since.damping_N.dot(way_m) - since.booked_J);\n", ""),
+        ("is not booked", CONTROL, "  pay(booked_J_[booked_]);\n", ""),
+        ("forgets nothing", CONTROL,
+         "    if (end.account_J > 0.0) end.account_J -= forgotten_ * end.account_J;\n", ""),
         ("knows no delay", CONTROL,
-         "const Vec3 late_N = forces_.acting_N(most_delay_);", "const Vec3 late_N = last_N;"),
-        ("pushes along the motion", CONTROL, "return -wanted_damping(along.norm()) * along;",
-         "return wanted_damping(along.norm()) * along;"),
+         "{share * since.acting_N[0], share * since.acting_N[1]};", "{last_N, last_N};"),
+        ("knows the least delay only", CONTROL,
+         "{share * since.acting_N[0], share * since.acting_N[1]};",
+         "{share * since.acting_N[0], share * since.acting_N[0]};"),
+        ("knows the last tick of a way only", CONTROL,
+         "{share * since.acting_N[0], share * since.acting_N[1]};",
+         "{forces_.acting_N(delays_[0]), forces_.acting_N(delays_[1])};"),
+        ("pushes along the motion", CONTROL, "held_N_ = -damping * along;",
+         "held_N_ = damping * along;"),
+        ("damps across the change of the force", CONTROL,
+         "Vec3(velocity.dot(changed_N) / change2 * changed_N)", "velocity"),
+        ("pulls into the surface", ENERGY,
+         "    if (against > even2) damping_N *= even2 / against;\n", ""),
+        ("leaves the span of the motors", ENERGY,
+         "    damping_N = motors_.part(damping_N);\n", ""),
+        ("lets a motor exceed its limit", ENERGY,
+         "limited(warm_N + damping_N)", "(warm_N + damping_N)"),
+        ("is too much for a warm motor", ENERGY,
+         "force_N = cooled(limited(warm_N + damping_N), record);",
+         "force_N = limited(even_N + damping_N);"),
+        ("takes what the motors cannot push for a swing", ENERGY,
+         "watched_N -= factor * motors_.part(sources.effects_N[0]);",
+         "watched_N -= factor * sources.effects_N[0];"),
+        ("takes a vibration for a swing", ENERGY,
+         "  if (sources.has_effects) watched_N -= factor * motors_.part(sources.effects_N[0]);\n", ""),
+        ("counts the device's damping after an interruption", CONTROL,
+         "tick.is_disturbed ? 0.0 : device_.damping_Ns_per_m", "device_.damping_Ns_per_m"),
+        ("is held over an interruption", CONTROL_H,
+         "    count_ = 0;\n    held_N_.setZero();\n", "    count_ = 0;\n"),
+        ("knows no long hold", CONTROL,
+         "if (!(longest_hold_s > period_s_)) return most_damping_;", "return most_damping_;"),
+        ("forgets its way too early", CONTROL, "    damped_ticks_ = booked_J_.size();\n",
+         "    damped_ticks_ = 1;\n"),
+        ("knows the change of the force only", CONTROL,
+         "{way_m, acting_N[1] - even_N}, tick.way_s", "{way_m, tick.force_N - last_N}, tick.way_s"),
         ("never softens the contact", CONTROL,
-         "if (account_J_ > PassivityLimits::kSoften_J) {", "if (false) {"),
+         "if (judged_J_ > PassivityLimits::kSoften_J) {", "if (false) {"),
+        ("never ends", CONTROL, "    is_active_ = false;\n", ""),
+        ("never stiffens the next contact", CONTROL,
+         "    stiffness_ = 1.0;\n    has_swung_ = false;\n", "    has_swung_ = false;\n"),
+        ("trips without a force", CONTROL,
+         "} else if (!tick.force_N.isZero(0.0)) {", "} else {"),
+        ("never trips", CONTROL, "      unstable_s_ += period_s_;\n", ""),
+    ],
+    "steps": [
+        ("count as jumps", PATH, "  if (!(quantum_m_ > 0.0)) return sensed_m;\n",
+         "  return sensed_m;\n"),
+        ("do not limit the path", PATH,
+         "std::clamp(edge_m + speed_m_per_s * since_s + past_edge_m, at_m - half_m, at_m + half_m)",
+         "edge_m + speed_m_per_s * since_s + past_edge_m"),
+        ("have their edges where the device says", PATH,
+         "const double to_edge_m = 0.5 * ", "const double to_edge_m = 0.0 * "),
+        ("are damped along one axis", SPAN, "    sum_N2_ *= 1.0 - kForget;\n",
+         "    sum_N2_.setZero();\n"),
+        ("lengthen a velocity", SPAN, "part2 > most2 ?", "false ?"),
+        ("know no damping", CONTROL,
+         "const double known = has_steps() && samples_with_force_ > 0 ? known_damping(tick) : 0.0;",
+         "const double known = 0.0;"),
     ],
     "swing": [
         ("is never seen", SWING, "swings = is_swing() &&", "swings = false &&"),
@@ -388,9 +479,11 @@ class Copy:
 
     def compile(self, sources):
         for source in sources:
-            compiler, *options = self.options[source]
-            command = [compiler, f"-I{self.folder}", *options, "-w", "-c", self.folder / source,
-                       "-o", self.object_of(source)]
+            # A launcher such as ccache stands before the compiler.
+            words = self.options[source]
+            first = next(n for n, word in enumerate(words) if word.startswith("-"))
+            command = [*words[:first], f"-I{self.folder}", *words[first:], "-w", "-c",
+                       self.folder / source, "-o", self.object_of(source)]
             done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder)
             if done.returncode != 0:
                 fail(f"{source} does not compile:\n{done.stderr}")

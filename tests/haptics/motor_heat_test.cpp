@@ -65,6 +65,24 @@ TEST(MotorLoads, AddUpToTheForce) {
   }
 }
 
+TEST(MotorLoads, OfTwoObliqueMotorsAddUpToAForceInTheirPlane) {
+  Random random(4907);
+  for (int n = 0; n < 1000; ++n) {
+    const auto three = random_motors(random);
+    const std::vector<MotorDescription> motors = {three[0], three[1]};
+    const Vec3 efforts_N = random.in_box(5.0);
+    Vec3 force_N = Vec3::Zero();
+    for (int i = 0; i < 2; ++i) {
+      force_N += efforts_N[i] * Vec3(motors[static_cast<std::size_t>(i)].direction_device.data());
+    }
+    const Vec3 loads = MotorLimits(motors).loads(force_N);
+    for (int i = 0; i < 2; ++i) {
+      const double share_N = loads[i] * motors[static_cast<std::size_t>(i)].continuous_force_N;
+      EXPECT_NEAR(share_N, efforts_N[i], 100 * kEps * efforts_N.norm()) << n;
+    }
+  }
+}
+
 TEST(MotorLoads, BelongToTheMotorsInTheirOrderAlsoWhereOneHasNoShareOrIsUnknown) {
   const std::vector<MotorDescription> twice = {motor_along(Vec3::UnitX(), 2.0),
                                                motor_along(-Vec3::UnitX(), 3.0),

@@ -111,6 +111,37 @@ TEST(SpringRestart, ReturnsTheForceOfBeforeWithin100Milliseconds) {
   EXPECT_NEAR(spring.force_N - before_N, 1.0, 1e-9) << "further pressing meets the full stiffness";
 }
 
+// The force grows by nothing but the tank and the returning force: 1 % of it in the first tick.
+TEST(SpringRestart, AWayWithoutAForceStoresNothing) {
+  Spring spring;
+  spring.press(5e-3);
+  spring.interrupt(5e-3, 12);
+  const double most_N = std::sqrt(2.0 * 1000.0 * SpringRestart::kTank_J) + 0.01 * 5.0;
+  EXPECT_LE(spring.move_to(25e-3), most_N + 1e-9);
+}
+
+TEST(SpringRestart, TheStartFollowsAHandThatRetreats) {
+  Spring spring;
+  spring.interrupt(10e-3, 12);
+  EXPECT_EQ(spring.move_to(10e-3), 0.0);
+  spring.press(2e-3);
+  EXPECT_EQ(spring.force_N, 0.0);
+  spring.press(5e-3);
+  EXPECT_NEAR(spring.force_N, 3.0, 1e-9);
+}
+
+TEST(SpringRestart, WhatAStartHoldsBackStaysWithheld) {
+  for (const double share : {0.0, 0.3, 0.7}) {
+    Spring spring;
+    spring.next().share = share;
+    spring.press(5e-3);
+    spring.next().share = 1.0;
+    EXPECT_NEAR(spring.move_to(5e-3), share * 5.0, 1e-9);
+    spring.press(6e-3);
+    EXPECT_NEAR(spring.force_N, share * 5.0 + 1.0, 1e-9);
+  }
+}
+
 TEST(SpringRestart, AJumpOfANodeAStepOfStiffnessAndAStartGiveAtMostTheTank) {
   Random random(6);
   for (int n = 0; n < 1000; ++n) {
@@ -146,8 +177,8 @@ TEST(SpringRestart, ANodeThatMovesSteadilyPushesWithItsPower) {
   Spring spring;
   spring.press(1e-3);
   double stored_J = 0.0;
-  constexpr int kTicks = 500;
-  for (int n = 0; n < kTicks; ++n) {
+  constexpr int kPushed = 500;
+  for (int n = 0; n < kPushed; ++n) {
     spring.node_m -= 20e-6;  // 20 mm/s
     spring.next().nodes_moved = true;
     spring.move_to(1e-3);
@@ -158,7 +189,7 @@ TEST(SpringRestart, ANodeThatMovesSteadilyPushesWithItsPower) {
   }
   EXPECT_GT(spring.force_N, 5.0) << "it pushes";
   const double most_J =
-      0.5e-3 + SpringRestart::kTank_J + SpringRestart::kNodePower_W * kTicks * kRestartStep_s;
+      0.5e-3 + SpringRestart::kTank_J + SpringRestart::kNodePower_W * kPushed * kRestartStep_s;
   EXPECT_LE(stored_J, most_J + 1e-9);
 }
 

@@ -81,16 +81,16 @@ TEST(SwingWatch, ASwingEndsWhenItStops) {
 TEST(SwingWatch, LeavesARandomForceAlone) {
   Random random(3);
   int seen = 0;
-  constexpr int kTicks = 100'000;
+  constexpr int kRandom = 100'000;
   SwingWatch watch;
   double force_N = 0.0, rate = 0.0;
-  for (int n = 0; n < kTicks; ++n) {
+  for (int n = 0; n < kRandom; ++n) {
     rate = 0.95 * rate + random.uniform(-1.0, 1.0);
     force_N = 0.999 * force_N + 0.01 * rate;
     watch.add(force_N * Vec3::UnitX(), kLeast_N, std::int64_t{1'000'000} * n);
     seen += watch.swing_rad_per_s() > 0.0;
   }
-  EXPECT_LE(seen, kTicks / 1000);
+  EXPECT_LE(seen, kRandom / 1000);
 }
 
 }  // namespace
