@@ -24,6 +24,7 @@ GROUPS = [
      ("mean drift", "mean drift", 1e3, "%.0f mm"),
      ("worst drift", "worst drift", 1e3, "%.0f mm"),
      ("governed ticks", "governed ticks", 100, "%.2f %%")],
+    [("energy of turning", "energy of turning", 1e3, "%.0f mJ")],
 ]
 SHOWN = ("reference", "technique")
 

@@ -1,4 +1,4 @@
-"""The table and the figure of the budgets of a4-passive."""
+"""The tables and the figure of the budgets of a4-passive."""
 
 import json
 
@@ -18,8 +18,8 @@ GROUPS = [
      ("work along the wall", "work along the wall", 1e3, "%.0f mJ"),
      ("work of one contact", "work of one contact", 1e3, "%.0f mJ")],
 ]
-WIDTH, HEIGHT = 760, 330
-LEFT, RIGHT, TOP, BOTTOM = 70, 190, 24, 46
+WIDTH, HEIGHT = 760, 370
+LEFT, RIGHT, TOP, BOTTOM = 64, 210, 44, 46
 TEXT = 14
 
 
@@ -29,6 +29,7 @@ def read(folder):
     try:
         result = json.loads(path.read_text(encoding="utf-8"))
         block(result)
+        presses_block(result)
         draw(result)
     except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError) as error:
         raise BadInput(f"{path}: expected a result of measure_passive_budgets.py ({error!r})") from error
@@ -46,21 +47,41 @@ def strategies_of(result):
     return ["mask", *budgets, "a4"]
 
 
-def gains(result):
+def shares(depths):
     """{strategy: part of a4's gain in penetration over mask}."""
-    means = means_of(result, "penetration")
-    whole = means["mask"] - means["a4"]
-    return {name: (means["mask"] - mean) / whole for name, mean in means.items()}
+    whole = depths["mask"] - depths["a4"]
+    return {name: (depths["mask"] - depth) / whole for name, depth in depths.items()}
+
+
+def gains(result):
+    """On ways round the objects."""
+    return shares(means_of(result, "penetration"))
+
+
+def pauses_of(result):
+    """Before each press, s, the longest first."""
+    return sorted({row["pause_s"] for row in result["presses"]}, reverse=True)
+
+
+def presses_of(result, pause_s, key):
+    return {row["strategy"]: row[key] for row in result["presses"] if row["pause_s"] == pause_s}
 
 
 def rounded(pattern, value):
     """Without the sign of a value that rounds to zero."""
     text = pattern % value
-    return text.lstrip("-") if float(text.split()[0]) == 0.0 else text
+    return text.lstrip("+-") if float(text.split()[0]) == 0.0 else text
+
+
+def paired_cell(row):
+    if row["half_width_m"] == 0.0:
+        return "0"
+    return f"{rounded('%+.2f', 1e3 * row['minus_0_m'])} ± {1e3 * row['half_width_m']:.2f} mm"
 
 
 def block(result):
     share = gains(result)
+    paired = {row["strategy"]: row for row in result["paired"]}
     parts = []
     for group in GROUPS:
         with_gain = group is GROUPS[0]
@@ -69,44 +90,83 @@ def block(result):
             cells = [rounded(pattern, factor * means_of(result, measure)[name])
                      for _, measure, factor, pattern in group]
             if with_gain:
-                cells.insert(1, "%.0f %%" % (100 * share[name]))
+                cells[1:1] = ["%.0f %%" % (100 * share[name]), paired_cell(paired[name])]
             rows.append((f"`{name}`", cells))
         titles = [title for title, *_ in group]
         if with_gain:
-            titles.insert(1, "gain")
+            titles[1:1] = ["gain", f"penetration less that of `{PREFIX}0`"]
         parts.append(tables.markdown([f"mean of {result['hands']} hands", *titles], rows))
     return "\n\n".join(parts)
 
 
-def draw(result):
-    """The gain and the energy of turning as shares of those of a4, over the budget."""
-    energies = means_of(result, "energy of turning")
-    budgets = [(float(name[len(PREFIX):]), name) for name in strategies_of(result)
-               if name.startswith(PREFIX)]
-    most = max(budget for budget, _ in budgets)
-    curves = (("gain in penetration", svg.BLUE, gains(result)),
-              ("energy of turning", svg.RED,
-               {name: energy / energies["a4"] for name, energy in energies.items()}))
-    picture = svg.Drawing(WIDTH, HEIGHT, "The part of A4's gain in penetration over mask, and of the "
-                          "energy that its turns add, over the budget of a4-passive.")
+def presses_block(result):
+    """Presses of walls: a row for each strategy, three columns for each pause."""
+    pauses = pauses_of(result)
+    rows = []
+    for name in strategies_of(result):
+        cells = []
+        for pause_s in pauses:
+            depths = presses_of(result, pause_s, "depth_m")
+            energies = presses_of(result, pause_s, "turning_energy_J")
+            cells += [f"{1e3 * depths[name]:.2f} mm", f"{100 * shares(depths)[name]:.0f} %",
+                      f"{1e3 * energies[name]:.1f} mJ"]
+        rows.append((f"`{name}`", cells))
+    titles = [title for pause_s in pauses
+              for title in (f"{pause_s:g} s apart: depth", "gain", "energy of turning")]
+    return tables.markdown(["mean of 17 presses", *titles], rows)
 
-    def place(budget, share):
-        return (LEFT + budget / most * (WIDTH - LEFT - RIGHT),
+
+def apart(heights, least):
+    """The heights, moved up and down until they are this far apart, in their order."""
+    order = sorted(range(len(heights)), key=lambda n: heights[n])
+    placed = list(heights)
+    for _ in heights:
+        for low, high in zip(order, order[1:]):
+            missing = least - (placed[high] - placed[low])
+            if missing > 0.0:
+                placed[low] -= 0.5 * missing
+                placed[high] += 0.5 * missing
+    return placed
+
+
+def curves_of(result):
+    """Title, colour, {strategy: share of that of a4}."""
+    energies = means_of(result, "energy of turning")
+    longest, shortest = pauses_of(result)
+    return ((f"gain, presses {longest:g} s apart", svg.GREEN, shares(presses_of(result, longest, "depth_m"))),
+            (f"gain, presses {shortest:g} s apart", svg.ORANGE,
+             shares(presses_of(result, shortest, "depth_m"))),
+            ("gain, ways", svg.BLUE, gains(result)),
+            ("energy of turning, ways", svg.RED,
+             {name: energy / energies["a4"] for name, energy in energies.items()}))
+
+
+def draw(result):
+    """The gains and the energy of turning as shares of those of a4, over the budget."""
+    budgets = [name for name in strategies_of(result) if name.startswith(PREFIX)]
+    curves = curves_of(result)
+    picture = svg.Drawing(WIDTH, HEIGHT, "The part of A4's gain in penetration over mask, in presses "
+                          "and on ways, and of the energy that its turns add, over the budget of a4-passive.")
+
+    def place(n, share):
+        return (LEFT + n / (len(budgets) - 1) * (WIDTH - LEFT - RIGHT),
                 HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM))
 
     for percent in (0, 25, 50, 75, 100):
-        y = place(0.0, percent / 100)[1]
+        y = place(0, percent / 100)[1]
         picture.line([(LEFT, y), (WIDTH - RIGHT, y)], svg.FAINT)
         picture.text((LEFT - 8, y + 5), f"{percent} %", TEXT, anchor="end")
-    for budget, _ in budgets:
-        x, y = place(budget, 0.0)
-        picture.text((x, y + 20), f"{budget:g}", TEXT, anchor="middle")
+    for n, name in enumerate(budgets):
+        x, y = place(n, 0.0)
+        picture.text((x, y + 20), name.removeprefix(PREFIX), TEXT, anchor="middle")
+    picture.text((LEFT, 18), "Share of A4's gain in penetration over mask, and of its energy of turning", TEXT)
     picture.text(((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 6), "budget of a contact, mJ", TEXT,
                  anchor="middle")
-    for title, colour, shares in curves:
-        points = [place(budget, shares[name]) for budget, name in budgets]
+    ends = apart([place(0, share[budgets[-1]])[1] for *_, share in curves], 1.3 * TEXT)
+    for (title, colour, share), end in zip(curves, ends):
+        points = [place(n, share[name]) for n, name in enumerate(budgets)]
         picture.line(points, colour, 2)
         for point in points:
             picture.circle(point, 4, colour)
-        picture.text((points[-1][0] + 12, points[-1][1] + 5), title, TEXT, colour)
+        picture.text((points[-1][0] + 12, end + 5), title, TEXT, colour)
     return picture.svg()

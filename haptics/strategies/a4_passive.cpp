@@ -68,7 +68,7 @@ class A4PassiveStep final : public StrategyStep {
     const Vec3 lag_m = tick.proxy.proxy - tick.goal_solver_m;
     const MotorSpring spring = spring_of(lag_m, tick);
     lag_device_m_ = tick.R_device_scene * lag_m;
-    budget_.touch(spring, tick.record.time_s, has_turned_ && fell(tick));
+    budget_.touch(spring, tick.record.time_s, has_turned_ ? fall_step_m(tick) : 0.0);
     has_turned_ = false;
     device_m_ = Vec3(tick.record.device_m);
     if (budget_.start_m() == 0.0) {
@@ -94,17 +94,19 @@ class A4PassiveStep final : public StrategyStep {
   }
 
  private:
-  // Whether the lag has changed by more than a hand's step changes it on the planes of a contact: a
-  // projection on a convex set shortens every step. Friction that slides adds at most a step along
-  // the wall and mu steps of the length of the tangential lag.
-  bool fell(const StrategyTick& tick) const {
-    if (!tick.world.moving().empty()) return false;
+  // The most by which this tick's step of the hand changes the lag on the planes of a contact, if
+  // the lag has changed by more: the turn let the proxy fall. Otherwise 0. A projection on a convex
+  // set shortens every step. Friction that slides adds at most a step along the wall and mu steps
+  // of the length of the tangential lag.
+  double fall_step_m(const StrategyTick& tick) const {
+    if (!tick.world.moving().empty()) return 0.0;
     const ProxyState& proxy = tick.proxy;
     const double step_m = (Vec3(tick.record.device_m) - device_m_).norm();
-    const double most_m = proxy.is_held ? (2.0 + proxy.cone.static_friction) * step_m : step_m;
     const double gap_m =
         kStandOffsOfGap * SolverScale::of(tick.world.size_m(), tick.radius_m).stand_off_m;
-    return (lag_device_m_ - expected_lag_device_m_).norm() > most_m + gap_m;
+    const double most_m =
+        gap_m + (proxy.is_held ? (2.0 + proxy.cone.static_friction) * step_m : step_m);
+    return (lag_device_m_ - expected_lag_device_m_).norm() > most_m ? most_m : 0.0;
   }
 
   TurnBudget budget_;
@@ -128,22 +130,34 @@ double MotorSpring::start_m(double start_m, double most_J) const noexcept {
   return std::max(start_m, stretch_m - motor_depth_m * (stretch_m / motor_stretch_m));
 }
 
-void TurnBudget::touch(const MotorSpring& spring, double time_s, bool fell) noexcept {
-  if (fell && in_contact_) turn(spring);
-  if (!in_contact_ && had_contact_ && time_s - last_contact_s_ > kRest_s) left_J_ = budget_J_;
-  in_contact_ = true;
-  had_contact_ = true;
+void TurnBudget::touch(const MotorSpring& spring, double time_s, double fall_step_m) noexcept {
+  if (fall_step_m > 0.0 && in_contact_) fall(spring, fall_step_m);
+  if (!in_contact_) begin_contact(time_s);
   last_contact_s_ = time_s;
   start_m_ = std::min(start_m_, spring.stretch_m);
   energy_J_ = spring.energy_J(start_m_);
+}
+
+// The most that the spring can have had after the fall, before the hand's step.
+void TurnBudget::fall(const MotorSpring& spring, double step_m) noexcept {
+  const MotorSpring most{spring.stiffness_N_per_m, spring.stretch_m + step_m,
+                         spring.motor_stretch_m + step_m};
+  if (most.energy_J(start_m_) > energy_J_) turn(most);
+}
+
+void TurnBudget::begin_contact(double time_s) noexcept {
+  const bool inherits = had_contact_ && time_s - last_contact_s_ <= kRest_s;
+  left_J_ = inherits ? std::min(left_J_, budget_J_) : budget_J_;
+  in_contact_ = true;
+  had_contact_ = true;
 }
 
 void TurnBudget::turn(const MotorSpring& turned) noexcept {
   const double most_J = energy_J_ + left_J_;
   const double turned_J = turned.energy_J(start_m_);
   start_m_ = turned.start_m(start_m_, most_J);
-  if (turned_J > energy_J_) left_J_ = std::max(0.0, most_J - turned_J);
   energy_J_ = std::min(turned_J, most_J);
+  left_J_ = most_J - energy_J_;
 }
 
 void TurnBudget::end_contact() noexcept {

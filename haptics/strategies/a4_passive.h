@@ -23,24 +23,29 @@
 // turned planes of the contact give a new stretch: the proxy goes to the point of these planes
 // that is nearest to the device point; where friction holds the proxy, it stays. Let U' be the U
 // of this stretch with the old start.
-//   U' <= U: the turn adds nothing. It gives back nothing to the budget, either.
+//   U' <= U: the turn takes U - U' from the spring and gives it back to the budget: in a contact,
+//     the turns have then added that much less.
 //   U' > U: the budget pays U' - U. What it cannot pay, a greater start takes away, so that the
 //     spring has U plus what was left. With a budget of 0, the motors' force |P F| e/|phi| then
 //     stays what it was.
 // A turn can also let the proxy fall over an edge, which its planes do not show. In the next tick
 // the lag then differs from the expected one by more than the step of the hand, as on fixed planes
-// it never does. What that adds to U counts as the turn's. (Not in a scene with moving bodies,
-// which change the lag, too.)
+// it never does. The most that this can have added to U counts as the turn's: U of the new lag and
+// a step. What a fall takes gives nothing back, since the hand may have got it. (Not in a scene
+// with moving bodies, which change the lag, too.)
 //
 // Pressing further meets the full K. A hand that retreats to the start takes it along (s falls to
 // |phi|), so that the spring never pulls, and a contact that has ended leaves no start.
 //
-// 10 mJ, if no budget is given: at 1000 N/m, a hand of 400 N/m that aims 10 mm deep gets more than
-// four fifths of A4's gain in penetration in one contact, and a third with 0 mJ. On a way round one
-// of the paper's objects, which is nearly one contact, the gain is about half with either.
-//
 // A contact that begins at most kRest_s after the last one has ended inherits what that left of its
-// budget; a later one has the whole budget. A tick with a bad sample ends no contact.
+// budget, and never more than the budget; a later one has the whole budget. A tick with a bad
+// sample ends no contact.
+//
+// 10 mJ, if no budget is given: a hand of 400 N/m that aims 10 mm deep into 1000 N/m gets more than
+// nine tenths of A4's gain in penetration in a press of its own, and a third with 0 mJ. On a way
+// round one of the paper's objects, hands are rarely off the walls for kRest_s, and one budget has
+// to last for half a minute. It is spent in the first seconds, since A4's turns only ever raise U
+// there; the gain is then half, which is that of 0 mJ.
 //
 // What is not promised: the projection itself is not passive. A mask of motors gives work along the
 // wall, on curved surfaces, in corners, and with friction that begins to slide; so does this
@@ -75,9 +80,10 @@ class TurnBudget {
 
   explicit TurnBudget(double budget_J) : budget_J_(budget_J), left_J_(budget_J) {}
 
-  // A tick in contact, before its force. time_s: of ticks, which does not fall. fell: over an edge,
-  // by the turn of the last tick.
-  void touch(const MotorSpring& spring, double time_s, bool fell = false) noexcept;
+  // A tick in contact, before its force. time_s: of ticks, which does not fall. fall_step_m: above
+  // 0 if the turn of the last tick let the proxy fall over an edge; the most by which the hand has
+  // changed the stretch since.
+  void touch(const MotorSpring& spring, double time_s, double fall_step_m = 0.0) noexcept;
   // After touch(): a turn gives the spring another stretch, with the hand where it is.
   void turn(const MotorSpring& turned) noexcept;
   // A tick without contact.
@@ -87,6 +93,9 @@ class TurnBudget {
   double left_J() const noexcept { return left_J_; }
 
  private:
+  void fall(const MotorSpring& spring, double step_m) noexcept;
+  void begin_contact(double time_s) noexcept;
+
   double budget_J_;
   double left_J_;
   double start_m_ = 0.0;
