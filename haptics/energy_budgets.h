@@ -15,8 +15,20 @@ namespace palpate {
 // A source may give tank_J at once, and power_W for ever: the tank fills with this power, and with
 // the work that the hand does against the source.
 struct EnergyBudget {
-  double tank_J = 0.0;   // >= 0
-  double power_W = 0.0;  // >= 0
+  double tank_J = 0.0;   // 0 to kMost_J
+  double power_W = 0.0;  // 0 to kMost_W
+
+  // The largest default: no setting lets a source give more than a body's weight does by default.
+  // A tip of 0.1 kg (kBareTip) that gets 0.11 J at once is as fast as the rule *speed* allows
+  // (GovernorLimits::kTopSpeed_m_per_s), and 1 W at 10 N moves a hand at 0.1 m/s, half of what the
+  // rule *start* calls calm. So these rules bound what a larger budget could do.
+  static constexpr double kMost_J = 1.0;
+  static constexpr double kMost_W = 1.0;
+
+  constexpr bool is_in_range() const {
+    return tank_J >= 0.0 && tank_J <= kMost_J && power_W >= 0.0 && power_W <= kMost_W;
+  }
+  bool operator==(const EnergyBudget&) const = default;
 };
 
 // By EnergySource. A press on the paper's objects gives up to 103 mJ by missing motors and A4
@@ -31,6 +43,8 @@ struct EnergyBudgets {
       {1.0, 1.0},    // gravity: a body that is lowered by 0.1 m at 10 N
       {0.02, 0.02},  // other
   }};
+
+  bool operator==(const EnergyBudgets&) const = default;
 };
 
 // Sums what each source gives, and what exceeds the budgets.

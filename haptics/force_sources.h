@@ -29,7 +29,8 @@ inline constexpr std::array<std::string_view, kEnergySourceCount> kEnergySourceN
 
 struct ForceSources {
   // The spring of the contact: its stiffness, and the length of the lag from the device point to
-  // the proxy. 0, 0: no contact, or unknown.
+  // the proxy; with a strategy whose spring is not isotropic, those of its CountedSpring. 0, 0: no
+  // contact, or unknown.
   double stiffness_N_per_m = 0.0;
   double lag_m = 0.0;
   // What nodes that moved in this tick have added to the energy of the spring.

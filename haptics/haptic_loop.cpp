@@ -151,9 +151,15 @@ void HapticLoop::move_bodies() {
   std::size_t held = 0;
   if (has_proxy_) {
     const Vec3 goal_m = goal_solver_m();  // of the last tick
-    const double before_m2 = (god_object_.proxy() - goal_m).squaredNorm();
+    const auto lag_m2 = [&] {
+      const Vec3 lag_m = god_object_.proxy() - goal_m;
+      if (!strategy_) return lag_m.squaredNorm();
+      const double counted_m = counted_spring(lag_m).lag_m;
+      return counted_m * counted_m;
+    };
+    const double before_m2 = lag_m2();
     held = god_object_.move_bodies(body_motions_, motion_plane_normal());
-    bodies_stretched_m2_ = (god_object_.proxy() - goal_m).squaredNorm() - before_m2;
+    bodies_stretched_m2_ = lag_m2() - before_m2;
   } else {
     for (const BodyMotion& m : body_motions_) god_object_.place_body(m.body, m.T_solver_body);
   }

@@ -205,6 +205,7 @@ class HapticLoop {
 
   // Where the strategy enters, in a loop that has one.
   StrategyTick strategy_tick(double dt_s) const;
+  CountedSpring counted_spring(const Vec3& lag_m) const;
   void place_scene_by_strategy(double dt_s);
   void turn_scene_by_strategy(double dt_s);
 

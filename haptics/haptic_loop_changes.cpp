@@ -49,6 +49,11 @@ void HapticLoop::set_coupling(double stiffness_N_per_m, double damping_Ns_per_m)
   if (effects_) effects_->set_coupling(stiffness_N_per_m, damping_Ns_per_m);
 }
 
+CountedSpring HapticLoop::counted_spring(const Vec3& lag_m) const {
+  return strategy_ ? strategy_->counted_spring(lag_m, strategy_tick(last_dt_s_))
+                   : CountedSpring{1.0, lag_m.norm()};
+}
+
 ForceSources HapticLoop::force_sources() const noexcept {
   ForceSources sources;
   const bool acts =
@@ -57,7 +62,10 @@ ForceSources HapticLoop::force_sources() const noexcept {
     const bool has_response = acts && needs(kNeedsContact) && !response_.without_effects;
     sources.stiffness_N_per_m =
         has_response ? response_.coupling.stiffness_N_per_m : settings_.coupling.stiffness_N_per_m;
-    sources.lag_m = (vec3(record_.proxy_scene_m) - vec3(record_.goal_scene_m)).norm();
+    const CountedSpring spring =
+        counted_spring(vec3(record_.proxy_scene_m) - vec3(record_.goal_scene_m));
+    sources.stiffness_N_per_m *= spring.stiffness_factor;
+    sources.lag_m = spring.lag_m;
   }
   if (bodies_moved_) {
     sources.nodes_moved = true;

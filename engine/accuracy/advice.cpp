@@ -206,6 +206,16 @@ std::string stiff_surfaces(const AdviceInput& input, double rate_Hz) {
          (count > kMostNamed ? " and " + std::to_string(count - kMostNamed) + " more." : ".");
 }
 
+// What the motors of a device that states no delay may add to it.
+std::string motors_sentence(const AdviceInput& input, const ChosenCoupling& c, double rate_Hz) {
+  if (c.has_delay) return "";
+  const auto zones = stiffness_zones(input.device, c.damping_Ns_per_m, 1.0 / rate_Hz);
+  if (!zones) return "";
+  return " With motors, the delay of the force counts (--device-delay); if it is up to " +
+         human(zones->mechanics.delay.most_s, "s") + ", walls are stable below " +
+         stiffness_text(rounded_down(zones->stable_N_per_m)) + ".";
+}
+
 Answer stiffness_answer(const AdviceInput& input, const ChosenCoupling& c, double rate_Hz) {
   Answer answer{"Stiffness", stiffness_text(c.stiffness_N_per_m), "", ""};
   const double wanted = input.coupling.stiffness_N_per_m;
@@ -224,7 +234,8 @@ Answer stiffness_answer(const AdviceInput& input, const ChosenCoupling& c, doubl
                     (is_default ? "default" : "value given") + ", " + stiffness_text(wanted) +
                     ", is not passive.";
   }
-  answer.limit = bound_sentence(c) + stiff_surfaces(input, rate_Hz);
+  answer.limit =
+      bound_sentence(c) + motors_sentence(input, c, rate_Hz) + stiff_surfaces(input, rate_Hz);
   return answer;
 }
 

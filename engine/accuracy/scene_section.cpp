@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/accuracy/percent.h"
+#include "engine/accuracy/stiffness_chart.h"
 #include "engine/devices/stiffness_zones.h"
 #include "engine/report/csv.h"
 #include "engine/report/html.h"
@@ -71,6 +72,14 @@ std::string error_text(double error_m, double floor_m) {
 std::string flag(bool is_good, const char* good, const char* bad) {
   return is_good ? "<span class=\"good\">" + std::string(good) + "</span>"
                  : "<span class=\"bad\">" + std::string(bad) + "</span>";
+}
+
+std::string zone_flag(StiffnessZone zone) {
+  return flag(zone != StiffnessZone::kRefused, name_of(zone), name_of(zone));
+}
+
+double motors_delay_s(const DeviceDescription& device) {
+  return assumed_mechanics(device).delay.most_s;
 }
 
 std::string presets_html(const SceneAccuracy& measured) {
@@ -143,14 +152,16 @@ std::string stiffness_html(const SceneFindings& f) {
          "penetration depth of "
       << shown(f.measured.deepest_m, "m")
       << ", which the hands exceeded in one tick of a hundred. Force shading also adds to K and is "
-         "not counted.</p>\n";
-  HtmlTable table({"surface", "passivity", "stability", "effective K", "passive up to",
-                   "limited by", "stable below", "K", "B"},
-                  3);
+         "not counted. With motors, the delay of "
+      << shown(motors_delay_s(f.device), "s")
+      << " counts, and a run refuses a surface that not even the controller holds.</p>\n";
+  HtmlTable table({"surface", "passivity", "stability", "with motors", "effective K",
+                   "passive up to", "limited by", "stable below", "K", "B"},
+                  4);
   for (const CouplingVerdict& v : f.verdicts) {
     const CouplingSettings& c = v.surface.coupling;
     table.row({html_escaped(v.surface.name), flag(v.is_passive, "passive", "not passive"),
-               flag(v.is_stable, "stable", "not stable"),
+               flag(v.is_stable, "stable", "not stable"), zone_flag(v.zone()),
                html_escaped(passivity_texts(v).stiffness), html_escaped(passivity_texts(v).limit),
                name_of(v.limits.passivity_bound), html_escaped(stability_texts(v).limit),
                shown(c.stiffness_N_per_m, "N/m"), shown(c.damping_Ns_per_m, "N s/m")});
@@ -241,6 +252,8 @@ std::string scene_csv(const SceneFindings& f) {
     lines.add("surface", name, "stable_below", v.limits.stable_N_per_m, "N/m");
     lines.add("surface", name, "is_passive", v.is_passive, "");
     lines.add("surface", name, "is_stable", v.is_stable, "");
+    lines.add("surface", name, "stable_below_with_motors", v.zones.stable_N_per_m, "N/m");
+    lines.add("surface", name, "calm_up_to_with_motors", v.zones.calm_N_per_m, "N/m");
   }
   return lines.text();
 }
@@ -274,7 +287,9 @@ std::string scene_text(const SceneFindings& f) {
     const ComparedTexts stability = stability_texts(v);
     text << (v.is_stable ? "stable" : "not stable") << " (";
     if (stability.stiffness != texts.stiffness) text << "K " << stability.stiffness << ", ";
-    text << "stable below " << stability.limit << ")\n";
+    text << "stable below " << stability.limit << ")\n    with motors, whose force comes at most "
+         << human(motors_delay_s(f.device), "s")
+         << " after a position: " << zone_text(v.effective_N_per_m, v.zones) << "\n";
   }
   return text.str();
 }

@@ -16,17 +16,33 @@
 namespace palpate {
 namespace {
 
+// A scene whose materials have changed.
+struct ChangedScene {
+  const EffectProgram& program;
+  double scale;  // from lengths of the file to metres
+  std::span<const MaterialChange> changes;
+};
+
 // The parameters of an effect among the calls of a material; nothing if the material does not
 // declare the effect.
 template <typename Effect>
-std::optional<typename Effect::Parameters> parameters_of(const EffectProgram& program,
+std::optional<typename Effect::Parameters> parameters_of(const ChangedScene& scene,
                                                          const MaterialCalls& material) {
+  const EffectProgram& program = scene.program;
   const std::optional<std::uint16_t> number = effect_number(Effect::kName);
   for (const std::uint32_t call : material.calls) {
     if (!number || program.calls[call].effect != *number) continue;
     typename Effect::Parameters parameters;
     std::memcpy(&parameters, program.parameters.data() + program.calls[call].parameters,
                 sizeof parameters);
+    for (const ParameterKey& key : compiled_effects()[*number].keys) {
+      for (const MaterialChange& change : scene.changes) {
+        if (change.material != material.material || change.key != key.key) continue;
+        const double number_m = change.value * (key.scales_as_length ? scene.scale : 1.0);
+        std::memcpy(reinterpret_cast<std::byte*>(&parameters) + key.offset, &number_m,
+                    sizeof number_m);
+      }
+    }
     return parameters;
   }
   return std::nullopt;
@@ -86,37 +102,45 @@ double map_curvature(const HeightMap& map, bool is_along_u) {
 }
 
 double relief_per_m(const ContactWorld& world, std::uint32_t texture_call,
-                    const TextureEffect::Parameters& texture) {
+                    const TextureEffect::Parameters& texture, MapCurvatures& known) {
   const UvGradients gradients = largest_gradients(world, texture_call);
   const double columns_per_m = gradients.u_per_m * texture.map->width();
   const double rows_per_m = gradients.v_per_m * texture.map->height();
+  const HeightMap& map = *texture.map;
+  auto [found, is_new] = known.try_emplace(&map);
+  if (is_new) found->second = {map_curvature(map, true), map_curvature(map, false)};
+  const auto [along_u, along_v] = found->second;
   return texture.height_m *
-         std::max(map_curvature(*texture.map, true) * columns_per_m * columns_per_m,
-                  map_curvature(*texture.map, false) * rows_per_m * rows_per_m);
+         std::max(along_u * columns_per_m * columns_per_m, along_v * rows_per_m * rows_per_m);
 }
 
 // 0 if the material has no texture.
-double relief_of(const ContactWorld& world, const MaterialCalls& material) {
-  const EffectProgram& program = *world.effects;
+double relief_of(const ContactWorld& world, const ChangedScene& scene,
+                 const MaterialCalls& material, MapCurvatures& known) {
   const std::optional<std::uint16_t> number = effect_number(TextureEffect::kName);
   for (const std::uint32_t call : material.calls) {
-    if (!number || program.calls[call].effect != *number) continue;
-    const auto texture = parameters_of<TextureEffect>(program, material);
-    if (texture && texture->map) return relief_per_m(world, call, *texture);
+    if (!number || scene.program.calls[call].effect != *number) continue;
+    const auto texture = parameters_of<TextureEffect>(scene, material);
+    if (texture && texture->map) return relief_per_m(world, call, *texture, known);
   }
   return 0.0;
 }
 
 }  // namespace
 
-std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSettings& loop) {
+std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSettings& loop,
+                                          std::span<const MaterialChange> changes,
+                                          MapCurvatures* known) {
+  MapCurvatures of_this_call;
   std::vector<SurfaceCoupling> couplings{{"surfaces without their own", loop}};
   const auto& program = scene.world().effects;
   if (!program) return couplings;
+  const ChangedScene changed{*program, scene.statistics().scale, changes};
   for (const MaterialCalls& material : scene.material_calls()) {
-    const auto stiffness = parameters_of<StiffnessEffect>(*program, material);
-    const auto damping = parameters_of<DampingEffect>(*program, material);
-    const double relief = relief_of(scene.world(), material);
+    const auto stiffness = parameters_of<StiffnessEffect>(changed, material);
+    const auto damping = parameters_of<DampingEffect>(changed, material);
+    const double relief =
+        relief_of(scene.world(), changed, material, known ? *known : of_this_call);
     if (!stiffness && !damping && relief == 0.0) continue;
     SurfaceCoupling own{material.material, loop, relief};
     if (stiffness) own.coupling.stiffness_N_per_m = stiffness->stiffness_N_per_m;
@@ -134,9 +158,12 @@ Result<std::vector<CouplingVerdict>> judge_couplings(const std::vector<SurfaceCo
     const auto limits =
         stability_limits(wall_mechanics(device), surface.coupling.damping_Ns_per_m, timing);
     if (!limits) return limits.error();
+    const auto zones = stiffness_zones(device, surface.coupling.damping_Ns_per_m, timing.period_s,
+                                       surface.coupling.velocity);
+    if (!zones) return zones.error();
     const double stiffness = surface.effective_stiffness_N_per_m(depth_m);
-    verdicts.push_back(
-        {surface, stiffness, *limits, limits->is_passive(stiffness), limits->is_stable(stiffness)});
+    verdicts.push_back({surface, stiffness, *limits, limits->is_passive(stiffness),
+                        limits->is_stable(stiffness), *zones});
   }
   return verdicts;
 }

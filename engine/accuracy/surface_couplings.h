@@ -3,12 +3,17 @@
 // The stiffness of the surfaces of a scene, and whether walls of this stiffness are passive and
 // stable on a device.
 
+#include <array>
+#include <map>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "engine/devices/stability_limits.h"
+#include "engine/devices/stiffness_zones.h"
 #include "engine/scene/scene.h"
 #include "geometry/base/result.h"
+#include "geometry/mesh/height_map.h"
 #include "haptics/effects/virtual_coupling.h"
 
 namespace palpate {
@@ -27,10 +32,22 @@ struct SurfaceCoupling {
   }
 };
 
+// A parameter of a material that is no longer as the file states it, in the unit of the file.
+struct MaterialChange {
+  std::string material, key;
+  double value = 0.0;
+};
+
+// The largest curvature of a height map along its rows and along its columns, per texel squared.
+// It takes a second for four million texels.
+using MapCurvatures = std::map<const HeightMap*, std::array<double, 2>>;
+
 // The coupling of the loop first, then that of each material that declares a stiffness, a damping
 // or a texture. The full relief is considered, because no texel is faded out for a hand that does
-// not move. Force shading is not considered.
-std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSettings& loop);
+// not move. Force shading is not considered. known: keeps the curvatures from one call to the next.
+std::vector<SurfaceCoupling> couplings_of(const Scene& scene, const CouplingSettings& loop,
+                                          std::span<const MaterialChange> changes = {},
+                                          MapCurvatures* known = nullptr);
 
 // The verdict on a coupling that is used with a device.
 struct CouplingVerdict {
@@ -40,6 +57,8 @@ struct CouplingVerdict {
   StabilityLimits limits;
   bool is_passive = false;
   bool is_stable = false;
+  StiffnessZones zones = {};  // if the device moves motors
+  StiffnessZone zone() const { return zones.zone_of(effective_N_per_m); }
 };
 
 // The verdicts for a hand at this depth, in metres. Returns the errors of stability_limits().

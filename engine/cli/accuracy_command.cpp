@@ -16,6 +16,8 @@
 #include "engine/accuracy/measurement.h"
 #include "engine/accuracy/recommendation.h"
 #include "engine/accuracy/scene_section.h"
+#include "engine/accuracy/stiffness_chart.h"
+#include "engine/accuracy/stiffness_picture.h"
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_line.h"
@@ -196,11 +198,13 @@ AccuracyReport report_of(const std::vector<KnobResult>& results, const Advice& a
 
 constexpr const char* kTable = "raw.csv";
 constexpr const char* kSceneTable = "scene.csv";
+constexpr const char* kZonesTable = "stiffness_zones.csv";
 constexpr const char* kPage = "report.html";
 
 // Every file that `accuracy` may write.
 std::vector<std::string> accuracy_file_names(const MeasurementEffort& effort) {
-  std::vector<std::string> names{kTable, kSceneTable, kPage, std::string(kSceneKnob) + ".svg"};
+  std::vector<std::string> names{kTable, kSceneTable, kZonesTable, kPage,
+                                 std::string(kSceneKnob) + ".svg"};
   for (const Knob& knob : all_knobs(effort)) names.push_back(knob.name + ".svg");
   return names;
 }
@@ -208,7 +212,8 @@ std::vector<std::string> accuracy_file_names(const MeasurementEffort& effort) {
 // Writes the CSV, a diagram per knob and the page. A signal stops it early.
 std::optional<Error> write_results(const std::vector<KnobResult>& results, const Advice& advice,
                                    const std::optional<SceneFindings>& findings,
-                                   const MeasurementEffort& effort, const OutputFiles& files) {
+                                   const StiffnessChart& chart, const MeasurementEffort& effort,
+                                   const OutputFiles& files) {
   const auto csv = write_accuracy_csv(results, files.path(kTable));
   if (!csv) return csv.error();
   std::optional<Error> no_picture;
@@ -229,6 +234,9 @@ std::optional<Error> write_results(const std::vector<KnobResult>& results, const
     const auto written = write_text_file(files.path(kSceneTable), scene_csv(*findings));
     if (!written) return written.error();
   }
+  report.sections.push_back(stiffness_chart_section(chart));
+  const auto zones = write_text_file(files.path(kZonesTable), stiffness_chart_csv(chart));
+  if (!zones) return zones.error();
   const auto written = write_text_file(files.path(kPage), report_html(report));
   return written ? std::nullopt : std::optional<Error>(written.error());
 }
@@ -245,9 +253,10 @@ Result<OutputFiles> take_out_folder(const std::string& folder, const Measurement
 // Returns whether the files were written; after a signal the old files stay.
 Result<bool> write_in_place(const std::vector<KnobResult>& results, const Advice& advice,
                             const std::optional<SceneFindings>& findings,
-                            const MeasurementEffort& effort, OutputFiles& files) {
+                            const StiffnessChart& chart, const MeasurementEffort& effort,
+                            OutputFiles& files) {
   if (auto error = files.resume()) return *error;
-  if (auto error = write_results(results, advice, findings, effort, files)) {
+  if (auto error = write_results(results, advice, findings, chart, effort, files)) {
     return files.in_place(*error);
   }
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
@@ -364,16 +373,19 @@ int accuracy(const AccuracyRequest& command) {
       advise({results, findings ? &*findings : nullptr, setup->device, setup->haptics.coupling,
               options_of_run(command.scene), program_name()});
   if (!advice) return refuse(advice.error());
+  const auto chart =
+      stiffness_chart(setup->device, setup->haptics.coupling, command.settings.rate_Hz);
+  if (!chart) return refuse(chart.error());
   // From here on a signal waits until the files are complete.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (const auto error = check_output()) return refuse(*error);
-  const auto written = write_in_place(results, *advice, findings, effort, *files);
+  const auto written = write_in_place(results, *advice, findings, *chart, effort, *files);
   if (!written) return refuse(written.error());
   if (!*written) return report_nothing_is_written();
   std::cout << advice_text(*advice) << "\n";
   if (!results.empty()) std::cout << knobs_text(results);
   if (findings) std::cout << scene_text(*findings);
-  std::cout << "report.html, raw.csv" << (findings ? ", scene.csv" : "")
+  std::cout << "report.html, raw.csv, stiffness_zones.csv" << (findings ? ", scene.csv" : "")
             << " and a diagram per knob are in " << command.out_dir << "/\n";
   return exit_code_after_signals(
       finish_output(scene ? load_warning_lines(*scene) : std::vector<std::string>{}));

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/cli/setting_texts.h"
+
 namespace palpate {
 namespace {
 
@@ -81,10 +83,13 @@ nlohmann::ordered_json device_json(const DeviceFacts& facts, const DeviceRun& ru
                                  {"fifo", run.has_fifo},
                                  {"given_J", run.governor.given_J},
                                  {"given_late_J", run.governor.given_late_J},
+                                 {"encoder_J", run.governor.encoder_J},
                                  {"given_by_design_J", run.governor.given_by_design_J}};
   for (std::size_t n = 0; n < kEnergySourceCount; ++n) {
     json["given_by_source_J"][std::string(kEnergySourceNames[n])] =
         run.governor.given_by_source_J[n];
+    json["energy_budgets"][std::string(kEnergySourceNames[n])] = {
+        {"tank_J", facts.budgets.of[n].tank_J}, {"power_W", facts.budgets.of[n].power_W}};
   }
   json["problem"] =
       run.health.is_good ? nlohmann::ordered_json() : nlohmann::ordered_json(run.health.problem);
@@ -95,9 +100,14 @@ std::string device_text(const DeviceFacts& facts, const DeviceRun& run) {
   std::ostringstream text;
   text << facts.device.name << ": " << facts.summary << "\n" << line_text(run.line);
   text << "energy that the motors gave " << 1e3 * run.governor.given_J << " mJ ("
-       << 1e3 * run.governor.given_late_J
-       << " mJ if each force acts as late as it may), of this by design "
-       << 1e3 * run.governor.given_by_design_J << " mJ\n";
+       << 1e3 * run.governor.given_late_J << " mJ if each force acts as late as it may";
+  if (run.governor.encoder_J > 0.0) {
+    text << "; each up to " << 1e3 * run.governor.encoder_J
+         << " mJ more or less by the steps of the encoders";
+  }
+  text << "), of this by design " << 1e3 * run.governor.given_by_design_J << " mJ\n";
+  const std::string budgets = energy_budgets_text(facts.budgets);
+  if (!budgets.empty()) text << "energy budgets: " << budgets << "\n";
   if (!facts.has_guard) text << "no process guarded the motors (--no-guard)\n";
   if (facts.without_realtime) {
     text << "--without-realtime: SCHED_FIFO was " << (run.has_fifo ? "granted" : "refused") << "\n";

@@ -21,6 +21,7 @@ struct DeviceFacts {
   bool has_guard = true;
   bool without_realtime = false;
   std::optional<RunStiffness> stiffness = {};  // of a device that pushes
+  EnergyBudgets budgets = {};
 };
 
 // One line: reason, time, tick and values of the trip.

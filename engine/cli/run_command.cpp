@@ -296,6 +296,7 @@ CLI::App* RunCommand::add_to(CLI::App& program) {
                "run in simulated time, as fast as the machine allows")
       ->group(kHandGroup);
   add_motors(app, request_.device);
+  add_settings(app, request_.options, SettingGroup::kMotors);
   add_settings(app, request_.options, SettingGroup::kTouch);
   add_choice<A4Runs>(
       app, "--a4", request_.a4,

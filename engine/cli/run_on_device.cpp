@@ -9,6 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/accuracy/stiffness_chart.h"
+#include "engine/accuracy/stiffness_picture.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/device_report.h"
@@ -22,10 +24,12 @@
 #include "engine/cli/run_report.h"
 #include "engine/cli/run_results.h"
 #include "engine/cli/run_stiffness.h"
+#include "engine/cli/setting_texts.h"
 #include "engine/cli/start_inside_report.h"
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/drivers/drivers.h"
+#include "engine/report/text_file.h"
 #include "engine/scene/memory_budget.h"
 #include "engine/session/trace_csv.h"
 
@@ -40,8 +44,8 @@ constexpr std::array kHandOptions = {
     "--device-mass",     "--device-damping", "--device-friction",
     "--encoder-quantum",
 };
-constexpr std::array kMotorOptions = {"--no-guard", "--without-realtime", "--cpu", "--start-inside",
-                                      "--allow-unstable"};
+constexpr std::array kMotorOptions = {"--no-guard",     "--without-realtime", "--cpu",
+                                      "--start-inside", "--allow-unstable",   "--energy-budget"};
 
 std::string device_workspace_text(const DeviceDescription& device) {
   std::ostringstream text;
@@ -133,12 +137,42 @@ int report_run(const RunRequest& request, const PreparedRun& prepared, const Dev
               << (facts.stiffness ? stiffness_text(*facts.stiffness) : std::string())
               << runs_text({shown}, prepared.scene) << timing_text(prepared.setup, run.tick_times)
               << device_text(facts, run);
-    if (!lost) std::cout << "trace in " << request.out_dir << "/\n";
+    if (!lost) {
+      std::cout << "trace" << (facts.stiffness ? " and chart of the stiffness" : "") << " in "
+                << request.out_dir << "/\n";
+    }
     for (const RecordingResult& recording : recordings) std::cout << recording_text(recording);
   }
   const int finished = finish_output(warnings);
   const int code = lost ? refuse(*lost) : finished;
   return exit_code_after_signals(code == 0 && run.governor.trips > 0 ? kTripped : code);
+}
+
+std::optional<Error> write_chart(const DeviceDescription& device, const RunStiffness& stiffness,
+                                 CouplingSettings coupling, const OutputFiles& files) {
+  coupling.stiffness_N_per_m = stiffness.stiffness_N_per_m;
+  const auto chart = stiffness_chart(device, coupling, 1.0 / stiffness.zones.period_s);
+  if (!chart) return chart.error();
+  for (const auto& [name, content] : {std::pair{kStiffnessPicture, stiffness_chart_svg(*chart)},
+                                      std::pair{kStiffnessTable, stiffness_chart_csv(*chart)}}) {
+    const auto written = write_text_file(files.path(name), content);
+    if (!written) return files.in_place(written.error());
+  }
+  return std::nullopt;
+}
+
+// The trace, and the chart of a device that pushes. Returns why they were not written.
+std::optional<Error> write_results(const DeviceDescription& device, const PreparedRun& prepared,
+                                   const std::optional<RunStiffness>& stiffness,
+                                   const ExplorationRun& shown, OutputFiles& files) {
+  if (auto error = write_trace(files.path(trace_name(shown.a4)), shown.records)) {
+    return files.in_place(*error);
+  }
+  if (stiffness) {
+    const CouplingSettings& coupling = prepared.setup.haptics.coupling;
+    if (auto error = write_chart(device, *stiffness, coupling, files)) return error;
+  }
+  return move_into_place(files);
 }
 
 int run_prepared(const RunRequest& request, const PreparedRun& prepared, GuardableDevice& device,
@@ -155,6 +189,7 @@ int run_prepared(const RunRequest& request, const PreparedRun& prepared, Guardab
     record_start_inside(recorder->get(), prepared.scene, status);
   };
   if (stiffness) tell_stiffness(*stiffness);
+  tell_energy_budgets(prepared.setup.governor.budgets);
   Result<DeviceRun> run = [&] {
     ProgressBar bar(request.a4 == A4Runs::kOn ? "with A4" : "without A4", settings.seconds);
     return run_device(
@@ -170,16 +205,16 @@ int run_prepared(const RunRequest& request, const PreparedRun& prepared, Guardab
   }
   if (!run) return refuse(run.error());
   if (run->records.empty()) return report_nothing_done();
-  const bool a4 = prepared.setup.haptics.a4.enabled;
-  const ExplorationRun shown = without_path(*run, a4);
-  std::optional<Error> lost;
-  if (auto error = write_trace(files->path(trace_name(a4)), shown.records)) {
-    lost = files->in_place(*error);
-  } else {
-    lost = move_into_place(*files);
-  }
-  const DeviceFacts facts{device.description(), request.device.text,       device.summary(),
-                          settings.has_guard,   settings.without_realtime, stiffness};
+  const ExplorationRun shown = without_path(*run, prepared.setup.haptics.a4.enabled);
+  const std::optional<Error> lost =
+      write_results(device.description(), prepared, stiffness, shown, *files);
+  const DeviceFacts facts{device.description(),
+                          request.device.text,
+                          device.summary(),
+                          settings.has_guard,
+                          settings.without_realtime,
+                          stiffness,
+                          prepared.setup.governor.budgets};
   return report_run(request, prepared, facts, *run, shown, recordings, lost);
 }
 
@@ -237,6 +272,11 @@ std::optional<Error> check_device_options(const RunRequest& request, const IsGiv
                             "(--out)");
   }
   return std::nullopt;
+}
+
+void tell_energy_budgets(const EnergyBudgets& budgets) {
+  const std::string text = energy_budgets_text(budgets);
+  if (!text.empty()) std::cerr << "palpate: energy budgets: " << text << std::endl;
 }
 
 void take_strategy(RunRequest& request) {

@@ -10,6 +10,7 @@
 
 #include "engine/cli/run_command.h"
 #include "geometry/base/result.h"
+#include "haptics/energy_budgets.h"
 
 namespace palpate {
 
@@ -22,6 +23,9 @@ using IsGiven = std::function<bool(const std::string&)>;
 // An Error if options contradict each other: some are only for the simulated hand, others only for
 // a device.
 std::optional<Error> check_device_options(const RunRequest& request, const IsGiven& is_given);
+
+// Tells the person, on stderr, which budgets are not the initial ones.
+void tell_energy_budgets(const EnergyBudgets& budgets);
 
 // Makes the one run of a strategy, if the request names one.
 void take_strategy(RunRequest& request);

@@ -20,6 +20,8 @@ const char* heading(SettingGroup group) {
     case SettingGroup::kWorkspace:
     case SettingGroup::kMechanics:
       return kDeviceGroup;
+    case SettingGroup::kMotors:
+      return kMotorGroup;
     case SettingGroup::kTouch:
       return kTouchGroup;
     case SettingGroup::kRotation:
@@ -136,6 +138,12 @@ CLI::Option* add_own(CLI::App& app, const RunSetting& setting, RunOptions& optio
   if (name == "--move") {
     return app.add_option(name, options.moves, help)->expected(1)->take_all();
   }
+  if (name == "--energy-budget") {
+    return app.add_option(name, options.energy_budgets, help)
+        ->expected(1)
+        ->take_all()
+        ->type_name("BUDGET");
+  }
   return app.add_option(name, name == "--place" ? options.place : options.actuated_axes, help);
 }
 
@@ -182,6 +190,9 @@ Result<RunSetup> make_setup(const RunOptions& options) {
   auto place = parse_place(options.place);
   if (!place) return place.error();
   settings.haptics.initial_pose = *place;
+  auto budgets = parse_energy_budgets(options.energy_budgets);
+  if (!budgets) return budgets.error();
+  settings.energy_budgets = *budgets;
   auto moves = parse_moves(options.moves);
   if (!moves) return moves.error();
   settings.moves = std::move(*moves);

@@ -21,9 +21,10 @@ namespace palpate {
 // other members hold the text of an option, which make_setup() parses.
 struct RunOptions {
   RunSettings settings;
-  std::string actuated_axes;          // "0 0 1; 1 0 0", device frame
-  std::string place;                  // "x y z qw qx qy qz", m: T_device_scene at the start
-  std::vector<std::string> moves;     // "NODE=vx vy vz wx wy wz" each: m/s and rad/s, scene axes
+  std::string actuated_axes;       // "0 0 1; 1 0 0", device frame
+  std::string place;               // "x y z qw qx qy qz", m: T_device_scene at the start
+  std::vector<std::string> moves;  // "NODE=vx vy vz wx wy wz" each: m/s and rad/s, scene axes
+  std::vector<std::string> energy_budgets;  // "SOURCE=MJ" or "SOURCE=MJ,W" each
   bool is_quiet = false;              // make_setup() writes no line about a measured work budget
   bool states_quantum = false;        // the help states the encoder quantum of the device
   bool knows_auto_stiffness = false;  // --stiffness may be `auto`, which a device with motors has

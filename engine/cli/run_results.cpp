@@ -10,7 +10,7 @@
 namespace palpate {
 
 std::vector<std::string> run_file_names() {
-  std::vector<std::string> names{kRunPicture};
+  std::vector<std::string> names{kRunPicture, kStiffnessPicture, kStiffnessTable};
   for (const char* a4 : {"on", "off"}) {
     for (const char* what : {"trace-", "contour-", "places-"}) {
       names.push_back(std::string(what) + a4 + ".csv");

@@ -14,6 +14,9 @@
 namespace palpate {
 
 inline constexpr const char* kRunPicture = "paths.svg";
+// Of runs on a device with motors: the chart of its stiffness, as a picture and as numbers.
+inline constexpr const char* kStiffnessPicture = "stiffness.svg";
+inline constexpr const char* kStiffnessTable = "stiffness.csv";
 
 // Every file that any form of `run` writes.
 std::vector<std::string> run_file_names();

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <map>
 #include <sstream>
 #include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "engine/accuracy/surface_couplings.h"
 #include "geometry/base/printable.h"
 #include "haptics/safety_governor.h"
 
@@ -31,19 +31,10 @@ double stiffest_N_per_m(const SurfaceCoupling& surface, double peak_force_N) {
   return surface.effective_stiffness_N_per_m(peak_force_N / stiffness_N_per_m);
 }
 
-// The stiffness that fits a surface with this relief.
-double fitting_N_per_m(const JudgedStiffness& judged, double relief_N_per_m) {
-  return std::max(0.0, judged.zones.calm_N_per_m - relief_N_per_m);
-}
-
 // Further beyond its zones.
 bool is_worse(const JudgedStiffness& a, const JudgedStiffness& b) {
   if (a.zone() != b.zone()) return a.zone() > b.zone();
   return a.stiffness_N_per_m * b.zones.calm_N_per_m > b.stiffness_N_per_m * a.zones.calm_N_per_m;
-}
-
-bool is_of_loop(const JudgedStiffness& judged, const std::vector<SurfaceCoupling>& couplings) {
-  return judged.surface == couplings.front().name;
 }
 
 std::string delay_text(const DelayInterval& delay) {
@@ -56,28 +47,64 @@ std::string delay_text(const DelayInterval& delay) {
   return text.str();
 }
 
-Error no_stable_wall(const StiffnessZones& zones, double damping_Ns_per_m) {
+Error no_stable_wall(const StiffnessZones& zones, const CouplingSettings& loop) {
+  const double fitting =
+      largest_damping_Ns_per_m(zones.mechanics.mass_kg, zones.mechanics.delay.most_s,
+                               zones.period_s, loop.velocity.window_ticks);
   std::ostringstream problem;
-  problem << "is " << damping_Ns_per_m << " N s/m, with which no wall is stable at a delay of "
-          << delay_text(zones.mechanics.delay) << "; expected at most " << zones.damping_Ns_per_m
-          << " N s/m";
+  problem << "is " << loop.damping_Ns_per_m << " N s/m, with which no wall is stable at a delay of "
+          << delay_text(zones.mechanics.delay) << "; expected at most " << fitting << " N s/m";
   return invalid_argument("coupling.damping_Ns_per_m", problem.str());
 }
 
-Error too_stiff(const JudgedStiffness& worst, bool is_of_option, bool has_relief, double fitting) {
-  std::ostringstream problem;
-  problem << "is " << worst.stiffness_N_per_m << " N/m";
-  if (has_relief) problem << " with its relief, at the peak force";
-  problem << "; expected at most " << rounded_down(fitting) << ": no damping that the delay of "
-          << delay_text(worst.zones.mechanics.delay) << " permits brings the device to rest";
+Error too_stiff(const WorstSurface& worst) {
   return invalid_argument(
-      is_of_option ? "coupling.stiffness_N_per_m" : "material \"" + worst.surface + "\": stiffness",
-      problem.str(),
+      worst.is_of_loop ? "coupling.stiffness_N_per_m"
+                       : "material \"" + worst.judged.surface + "\": stiffness",
+      too_stiff_text(worst),
       "use --stiffness auto or a softer material; --allow-unstable \"REASON\" runs it all the "
       "same");
 }
 
 }  // namespace
+
+double WorstSurface::fitting_N_per_m() const {
+  return std::max(0.0, judged.zones.calm_N_per_m - relief_N_per_m);
+}
+
+std::string too_stiff_text(const WorstSurface& worst) {
+  std::ostringstream problem;
+  problem << "is " << worst.judged.stiffness_N_per_m << " N/m";
+  if (worst.relief_N_per_m > 0.0) problem << " with its relief, at the peak force";
+  problem << "; expected at most " << rounded_down(worst.fitting_N_per_m())
+          << ": no damping that the delay of " << delay_text(worst.judged.zones.mechanics.delay)
+          << " permits brings the device to rest";
+  return problem.str();
+}
+
+Result<WorstSurface> worst_surface(const std::vector<SurfaceCoupling>& couplings,
+                                   const JudgedLoop& loop) {
+  WorstSurface worst;
+  std::map<double, StiffnessZones> zones_of;  // by the damping; all surfaces share the velocity
+  for (const SurfaceCoupling& surface : couplings) {
+    const CouplingSettings& own = surface.coupling;
+    auto zones = zones_of.find(own.damping_Ns_per_m);
+    if (zones == zones_of.end()) {
+      const auto found =
+          stiffness_zones(loop.device, own.damping_Ns_per_m, loop.period_s, own.velocity);
+      if (!found) return found.error();
+      zones = zones_of.emplace(own.damping_Ns_per_m, *found).first;
+    }
+    JudgedStiffness judged{surface.name, stiffest_N_per_m(surface, loop.peak_force_N),
+                           zones->second};
+    const bool is_first = &surface == &couplings.front();
+    if (!is_first && !is_worse(judged, worst.judged)) continue;
+    worst.relief_N_per_m = judged.stiffness_N_per_m - own.stiffness_N_per_m;
+    worst.is_of_loop = is_first;
+    worst.judged = std::move(judged);
+  }
+  return worst;
+}
 
 Result<std::optional<RunStiffness>> choose_stiffness(const RunRequest& request,
                                                      const GuardableDevice& opened,
@@ -91,10 +118,10 @@ Result<std::optional<RunStiffness>> choose_stiffness(const RunRequest& request,
   double period_s = setup.dt_s;
   if (line.at_start_Hz > 0.0) period_s = std::max(period_s, 1.0 / line.at_start_Hz);
   CouplingSettings& loop = setup.haptics.coupling;
-  const auto zones = stiffness_zones(device, loop.damping_Ns_per_m, period_s);
+  const auto zones = stiffness_zones(device, loop.damping_Ns_per_m, period_s, loop.velocity);
   if (!zones) return zones.error();
   if (request.options.has_auto_stiffness) {
-    if (zones->auto_N_per_m <= 0.0) return no_stable_wall(*zones, loop.damping_Ns_per_m);
+    if (zones->auto_N_per_m <= 0.0) return no_stable_wall(*zones, loop);
     loop.stiffness_N_per_m = zones->auto_N_per_m;
   }
   RunStiffness chosen;
@@ -103,23 +130,14 @@ Result<std::optional<RunStiffness>> choose_stiffness(const RunRequest& request,
   chosen.has_measured_delay = !zones->mechanics.assumes_delay;
   chosen.zones = *zones;
   chosen.allowed = request.device.allow_unstable.value_or("");
-  const double peak_force_N = SafetyGovernor::clamp_of(device, setup.max_force_N);
-  const std::vector<SurfaceCoupling> couplings = couplings_of(prepared.scene, loop);
-  double fitting = 0.0;
-  bool has_relief = false;
-  for (const SurfaceCoupling& surface : couplings) {
-    const auto own = stiffness_zones(device, surface.coupling.damping_Ns_per_m, period_s);
-    if (!own) return own.error();
-    JudgedStiffness judged{surface.name, stiffest_N_per_m(surface, peak_force_N), *own};
-    if (!chosen.worst.surface.empty() && !is_worse(judged, chosen.worst)) continue;
-    fitting =
-        fitting_N_per_m(judged, judged.stiffness_N_per_m - surface.coupling.stiffness_N_per_m);
-    has_relief = surface.relief_per_m > 0.0;
-    chosen.worst = std::move(judged);
+  chosen.peak_force_N = SafetyGovernor::clamp_of(device, setup.max_force_N);
+  auto worst =
+      worst_surface(couplings_of(prepared.scene, loop), {device, period_s, chosen.peak_force_N});
+  if (!worst) return worst.error();
+  if (worst->judged.zone() == StiffnessZone::kRefused && chosen.allowed.empty()) {
+    return too_stiff(*worst);
   }
-  if (chosen.worst.zone() == StiffnessZone::kRefused && chosen.allowed.empty()) {
-    return too_stiff(chosen.worst, is_of_loop(chosen.worst, couplings), has_relief, fitting);
-  }
+  chosen.worst = std::move(worst->judged);
   return std::optional(std::move(chosen));
 }
 
@@ -140,8 +158,21 @@ std::string limits_text(const StiffnessZones& zones) {
                                   ? "a wall is passive up to " + rounded_down(zones.passive_N_per_m)
                                   : "no wall is passive";
   if (zones.stable_N_per_m <= 0.0) return passive + ", and none is stable";
-  return passive + ", stable below " + rounded_down(zones.stable_N_per_m) +
-         ", and calm by the controller up to " + rounded_down(zones.calm_N_per_m);
+  return passive + (zones.passive_N_per_m > 0.0 ? ", stable below " : "; one is stable below ") +
+         rounded_down(zones.stable_N_per_m) + ", and calm by the controller up to " +
+         rounded_down(zones.calm_N_per_m);
+}
+
+std::string zone_text(StiffnessZone zone, const std::string& allowed) {
+  switch (zone) {
+    case StiffnessZone::kStable:
+      return "stable";
+    case StiffnessZone::kControlled:
+      return "calm only by the controller, which damps the motion";
+    case StiffnessZone::kRefused:
+      break;
+  }
+  return "unstable, and allowed, because: " + printable(allowed);
 }
 
 std::string stiffness_text(const RunStiffness& stiffness) {
@@ -156,17 +187,7 @@ std::string stiffness_text(const RunStiffness& stiffness) {
     text << "; the stiffest surface, \"" << printable(worst.surface) << "\", has "
          << worst.stiffness_N_per_m << " N/m";
   }
-  switch (worst.zone()) {
-    case StiffnessZone::kStable:
-      text << ": stable\n";
-      break;
-    case StiffnessZone::kControlled:
-      text << ": calm only by the controller, which damps the motion\n";
-      break;
-    case StiffnessZone::kRefused:
-      text << ": unstable, and allowed, because: " << printable(stiffness.allowed) << "\n";
-      break;
-  }
+  text << ": " << zone_text(worst.zone(), stiffness.allowed) << "\n";
   return text.str();
 }
 

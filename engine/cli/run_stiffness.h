@@ -4,9 +4,11 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "engine/accuracy/surface_couplings.h"
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/run_command.h"
 #include "engine/devices/guardable_device.h"
@@ -23,11 +25,35 @@ struct JudgedStiffness {
   StiffnessZone zone() const { return zones.zone_of(stiffness_N_per_m); }
 };
 
+// The servo and the device with which surfaces are judged.
+struct JudgedLoop {
+  const DeviceDescription& device;
+  double period_s = 0.0;
+  double peak_force_N = 0.0;
+};
+
+// The surface that is furthest beyond its zones.
+struct WorstSurface {
+  JudgedStiffness judged;
+  double relief_N_per_m = 0.0;  // what the relief adds to the stiffness
+  bool is_of_loop = false;      // it has no stiffness of its own
+
+  // The stiffness that fits this surface.
+  double fitting_N_per_m() const;
+};
+
+// Errors: those of stiffness_zones().
+Result<WorstSurface> worst_surface(const std::vector<SurfaceCoupling>& couplings,
+                                   const JudgedLoop& loop);
+// "is 2000 N/m; expected at most 1140 N/m: no damping that ..."
+std::string too_stiff_text(const WorstSurface& worst);
+
 // What a run on a device that pushes states about its stiffness.
 struct RunStiffness {
   double stiffness_N_per_m = 0.0;  // of surfaces without their own
   bool is_auto = false;
   bool has_measured_delay = false;
+  double peak_force_N = 0.0;
   StiffnessZones zones;   // for the damping of surfaces without their own
   JudgedStiffness worst;  // the surface that is furthest beyond its zones
   std::string allowed;    // the reason of --allow-unstable; empty without the option
@@ -43,6 +69,8 @@ Result<std::optional<RunStiffness>> choose_stiffness(const RunRequest& request,
                                                      const GuardableDevice& device,
                                                      PreparedRun& prepared);
 
+// "calm only by the controller, which damps the motion". allowed: the reason of --allow-unstable.
+std::string zone_text(StiffnessZone zone, const std::string& allowed);
 // Tells the person the lines of stiffness_text(), on stderr.
 void tell_stiffness(const RunStiffness& stiffness);
 // Mechanics and delay, limits, and the zone.

@@ -1,9 +1,12 @@
 #include "engine/cli/setting_texts.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 namespace palpate {
@@ -96,6 +99,55 @@ Result<std::vector<SteadyMotion>> parse_moves(const std::vector<std::string>& te
     motions.push_back(*motion);
   }
   return motions;
+}
+
+Result<EnergyBudgets> parse_energy_budgets(const std::vector<std::string>& texts) {
+  EnergyBudgets budgets;
+  std::array<bool, kEnergySourceCount> is_stated{};
+  for (const std::string& text : texts) {
+    const auto refused = [&](const std::string& problem) {
+      std::ostringstream expected;
+      expected << "is \"" << text << "\"" << problem
+               << "; expected SOURCE=MJ or SOURCE=MJ,W with 0 to " << 1e3 * EnergyBudget::kMost_J
+               << " mJ and 0 to " << EnergyBudget::kMost_W << " W";
+      return invalid_argument("--energy-budget", expected.str(),
+                              "write for example motors=100 or motors=100,0.1");
+    };
+    const std::size_t equals = text.find('=');
+    const auto source =
+        std::find(kEnergySourceNames.begin(), kEnergySourceNames.end(), text.substr(0, equals));
+    if (equals == std::string::npos) return refused("");
+    if (source == kEnergySourceNames.end()) {
+      std::string names;
+      for (const std::string_view name : kEnergySourceNames) {
+        names += (names.empty() ? "" : ", ") + std::string(name);
+      }
+      return refused(", whose source is none of " + names);
+    }
+    const auto numbers = parse_numbers(text.substr(equals + 1));
+    if (!numbers || numbers->empty() || numbers->size() > 2) return refused("");
+    const auto n = static_cast<std::size_t>(source - kEnergySourceNames.begin());
+    if (is_stated[n]) return refused(", which states the source again");
+    is_stated[n] = true;
+    EnergyBudget& budget = budgets.of[n];
+    budget.tank_J = 1e-3 * numbers->front();
+    if (numbers->size() == 2) budget.power_W = numbers->back();
+    if (!budget.is_in_range()) return refused("");
+  }
+  return budgets;
+}
+
+std::string energy_budgets_text(const EnergyBudgets& budgets) {
+  const EnergyBudgets usual;
+  std::ostringstream text;
+  for (std::size_t n = 0; n < kEnergySourceCount; ++n) {
+    const EnergyBudget& budget = budgets.of[n];
+    if (budget == usual.of[n]) continue;
+    text << (text.view().empty() ? "" : "; ") << kEnergySourceNames[n] << " " << 1e3 * budget.tank_J
+         << " mJ at once and " << budget.power_W << " W for ever (default "
+         << 1e3 * usual.of[n].tank_J << " mJ and " << usual.of[n].power_W << " W)";
+  }
+  return text.str();
 }
 
 // The name may contain dots, the key may not; the value may not contain equals signs.

@@ -105,7 +105,9 @@ std::string reached_timing_text(const RunSetup& setup, const TickTimes& times) {
   }
   return text + passive +
          (limits.stable_N_per_m > 0.0
-              ? formatted(" and stable below %.0f N/m\n", std::floor(limits.stable_N_per_m))
+              ? formatted(limits.allows_passive_walls() ? " and stable below %.0f N/m\n"
+                                                        : "; one is stable below %.0f N/m\n",
+                          std::floor(limits.stable_N_per_m))
               : std::string(", and none is stable\n"));
 }
 

@@ -21,6 +21,7 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/open_browser.h"
 #include "engine/cli/open_device.h"
+#include "engine/cli/page_stiffness.h"
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/private_output.h"
 #include "engine/cli/program_signals.h"
@@ -190,12 +191,17 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
   }
   if (const auto error = check_setup(prepared->scene, prepared->setup)) return refuse(*error);
   std::optional<OpenDevice> open;
+  std::unique_ptr<WallJudge> judge;
   if (device != nullptr) {
     open.emplace(*device);
     if (const auto error = open->start()) return refuse(*error);
     const auto stiffness = choose_stiffness(request.run, *device, *prepared);
     if (!stiffness) return refuse(stiffness.error());
-    if (*stiffness) tell_stiffness(**stiffness);
+    if (*stiffness) {
+      tell_stiffness(**stiffness);
+      judge = make_wall_judge(device->description(), *prepared, **stiffness);
+    }
+    tell_energy_budgets(prepared->setup.governor.budgets);
   }
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   auto recorder =
@@ -203,6 +209,7 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
                     request.run.device.allow_unstable.value_or(""));
   if (!recorder) return refuse(recorder.error());
   ViewSettings settings = view_settings_of(request, is_given);
+  settings.judge = judge.get();
   if (Recorder* const r = recorder->get()) {
     settings.recording = {r, [r] { return r->failure(); },
                           [r, &scene = prepared->scene](const StartInside::Status& status) {
@@ -266,6 +273,7 @@ CLI::App* ViewCommand::add_to(CLI::App& program) {
   add_settings(app, run.options, SettingGroup::kWorkspace);
   add_settings(app, run.options, SettingGroup::kMechanics);
   add_motors(app, run.device);
+  add_settings(app, run.options, SettingGroup::kMotors);
   add_settings(app, run.options, SettingGroup::kTouch);
   add_choice<A4Runs>(app, "--a4", run.a4, {{"on", A4Runs::kOn}, {"off", A4Runs::kOff}}, "on",
                      "turn the scene at first: on or off")

@@ -18,7 +18,7 @@ struct LoopPlant {
 
 // A damper of the servo: the force -B (x_n - x_(n-w)) / (w T) of tick n, for a window of w ticks.
 struct LoopDamper {
-  double damping_Ns_per_m = 0.0;  // >= 0
+  double damping_Ns_per_m = 0.0;  // the sum of all dampers of a loop is >= 0
   int velocity_ticks = 1;         // w >= 1
 };
 

@@ -8,6 +8,7 @@
 #include "engine/devices/stability_limits.h"
 #include "geometry/base/result.h"
 #include "haptics/device_mechanics.h"
+#include "haptics/effects/velocity_estimator.h"
 #include "palpate/device.h"
 
 namespace palpate {
@@ -52,11 +53,15 @@ struct StiffnessZones {
   }
 };
 
-// The zones of a device with the mechanics that it states or its class has. coupling damping: on
-// the velocity over one tick; what it leaves of the largest damping is the controller's. Returns
-// the errors of stability_limits(). Not for the haptic thread. Thread-safe.
+// The zones of a device with the mechanics that it states or its class has. A device that samples
+// more rarely than the loop ticks has a longer delay by as much. What the coupling's
+// damping leaves of the largest damping is the controller's. velocity: of the coupling's damper; a
+// longer window makes its velocity older and the zones smaller. With the adaptive method the zones
+// are those of the worst window; changes from one window to another are not computed, and are left
+// to the margins. Returns the errors of stability_limits(). Not for the haptic thread. Thread-safe.
 Result<StiffnessZones> stiffness_zones(const DeviceDescription& device,
-                                       double coupling_damping_Ns_per_m, double period_s);
+                                       double coupling_damping_Ns_per_m, double period_s,
+                                       const VelocitySettings& velocity = {});
 
 // What a wall on this device is judged with, wherever one is: the numbers that the device states,
 // and the longest delay of the interval. What a device that moves motors does not state is that of

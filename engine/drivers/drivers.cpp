@@ -96,7 +96,8 @@ std::string stiffness_lines(const DeviceDescription& device) {
   } else {
     lines << "none is passive";
   }
-  lines << ", stable below " << std::floor(zones->stable_N_per_m) << " N/m\n";
+  lines << ", stable below " << std::floor(zones->stable_N_per_m)
+        << " N/m, calm by the controller up to " << std::floor(zones->calm_N_per_m) << " N/m\n";
   std::string assumed;
   const auto add = [&](bool is_assumed, const std::string& what) {
     if (is_assumed) assumed += (assumed.empty() ? "" : ", ") + what;

@@ -231,13 +231,11 @@ class Replayer {
   std::optional<Error> run(const RecordingReader& reader, const RecordedSession& recorded,
                            const Scene& scene) {
     const RecordedSetup& setup = recorded.setup;
+    RunSetup run{setup.actuation, setup.haptics, setup.dt_s, {}, recorded.max_force_N};
+    run.governor = recorded.governor;
     auto rig = Rig::create(
-        scene.world(),
-        RunSetup{setup.actuation, setup.haptics, setup.dt_s, {}, recorded.max_force_N}, device_,
-        {.changes = {&changes_},
-         .sink = &computed_,
-         .takes_motors = recorded.takes_motors,
-         .governor = recorded.governor});
+        scene.world(), run, device_,
+        {.changes = {&changes_}, .sink = &computed_, .takes_motors = recorded.takes_motors});
     if (!rig) return rig.error();
     rig_ = std::move(*rig);
     rig_->session().start();

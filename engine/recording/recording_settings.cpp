@@ -424,6 +424,32 @@ void read_files(MetaReader& reader, std::vector<RecordedFile>& files) {
   }
 }
 
+// "session.energy_budgets.motors_J"
+std::string budget_key(std::size_t source, const char* unit) {
+  return "session.energy_budgets." + std::string(kEnergySourceNames[source]) + "_" + unit;
+}
+
+void write_budgets(const EnergyBudgets& budgets, MetaWriter& writer) {
+  for (std::size_t n = 0; n < kEnergySourceCount; ++n) {
+    writer(budget_key(n, "J"), budgets.of[n].tank_J);
+    writer(budget_key(n, "W"), budgets.of[n].power_W);
+  }
+}
+
+// Recordings of before have the budgets that were constants then: the initial ones.
+void read_budgets(MetaReader& reader, EnergyBudgets& budgets) {
+  const auto read = [&](const std::string& key, double& number, double most) {
+    reader(key, number);
+    if (number >= 0.0 && number <= most) return;
+    reader.fail(key, "is " + std::to_string(number) + "; expected 0 to " + std::to_string(most));
+  };
+  for (std::size_t n = 0; n < kEnergySourceCount; ++n) {
+    if (!reader.has(budget_key(n, "J")) && !reader.has(budget_key(n, "W"))) continue;
+    read(budget_key(n, "J"), budgets.of[n].tank_J, EnergyBudget::kMost_J);
+    read(budget_key(n, "W"), budgets.of[n].power_W, EnergyBudget::kMost_W);
+  }
+}
+
 // A table that this build would read or compute differently.
 void check_table(const char* key, const std::string& ours, MetaReader& reader) {
   std::string theirs;
@@ -497,7 +523,10 @@ RecordingMeta meta_of(const SessionFacts& facts) {
     writer("device.most_delay_s", device.delay.most_s);
   }
   writer("session.takes_motors", facts.takes_motors);
-  if (device.moves_motors && facts.governor.watches_energy) writer("session.energy_rules", true);
+  if (device.moves_motors && facts.governor.watches_energy) {
+    writer("session.energy_rules", true);
+    write_budgets(facts.governor.budgets, writer);
+  }
   if (facts.max_force_N) writer("session.max_force_N", *facts.max_force_N);
   return meta;
 }
@@ -540,6 +569,7 @@ Result<RecordedSession> session_of(const RecordingMeta& meta, RunSettingTable ta
   if (reader.has("session.energy_rules")) {
     reader("session.energy_rules", session.governor.watches_energy);
   }
+  read_budgets(reader, session.governor.budgets);
   if (reader.has("session.max_force_N")) {
     double most_N = 0.0;
     reader("session.max_force_N", most_N);

@@ -16,7 +16,7 @@ SessionParts Rig::connect(const RunSetup& setup, const Scene* scene, RigParts pa
   keeper_ = std::move(parts.keeper);
   SessionParts session{.max_force_N = setup.max_force_N,
                        .takes_motors = parts.takes_motors,
-                       .governor = parts.governor,
+                       .governor = setup.governor,
                        .sink = parts.sink};
   if (motions_) session.changes.push_back(&*motions_);
   if (scene && parts.has_tuner) session.changes.push_back(&tuner_.emplace(*scene));

@@ -27,7 +27,6 @@ struct RigParts {
   std::unique_ptr<RecordKeeper> keeper = {};  // null: the rig keeps no records
   TickSink* sink = nullptr;                   // see SessionParts
   bool takes_motors = true;                   // see SessionParts
-  GovernorSettings governor = {};             // see SessionParts
   bool has_tuner = false;                     // the materials of the scene can be changed
   // The hand may begin inside a closed surface: true: it stays there and feels it; false: it gets
   // no force until it has left (StartInside). No value: the hand is never freed.

@@ -59,7 +59,7 @@ struct SessionParts {
   // The loop takes the motors of a device whose motors turn (Device::motors_now) as its actuated
   // axes. False: it keeps its own axes.
   bool takes_motors = true;
-  // Of the governor; a session that somebody feels has the initial ones.
+  // Of the governor; one that somebody feels watches the energy.
   GovernorSettings governor = {};
   // Gets all that is needed to compute the session again; null without a recording.
   TickSink* sink = nullptr;

@@ -96,6 +96,12 @@ constexpr RunSetting kSettings[] = {
     setting(RUN(device.coulomb_friction_N), "--device-friction", kMechanics, kZeroOrMore,
             "Coulomb friction of the device", "N", "", {"device_friction_N", 21}),
 
+    setting(
+        "energy_budgets", OwnSetting{}, "--energy-budget", kMotors, {},
+        "what a source of energy (motors, nodes, vibration, restitution, magnet, gravity, other) "
+        "may give the hand by design: SOURCE=MJ,W or SOURCE=MJ, at most 1000 mJ at once and 1 W "
+        "for ever; may be repeated"),
+
     setting(HAPTIC(coupling.stiffness_N_per_m), "--stiffness", kTouch, kZeroOrMore,
             "stiffness of the coupling for surfaces that state none", "N/m", "",
             {"stiffness_N_per_m", 5, true}, {"coupling.stiffness_N_per_m", 8}),

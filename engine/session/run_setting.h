@@ -25,6 +25,7 @@ enum class SettingGroup : std::uint8_t {
   kDevice,
   kWorkspace,  // of the simulated hand's device
   kMechanics,  // the same
+  kMotors,     // of a device with motors in place of the simulated hand
   kTouch,
   kRotation,
   kOutput

@@ -68,6 +68,19 @@ std::optional<Error> check_max_force(const RunSettings& settings) {
   return invalid_argument("max_force_N", text.str());
 }
 
+std::optional<Error> check_energy_budgets(const EnergyBudgets& budgets) {
+  for (std::size_t n = 0; n < kEnergySourceCount; ++n) {
+    const EnergyBudget& budget = budgets.of[n];
+    if (budget.is_in_range()) continue;
+    std::ostringstream text;
+    text << "has " << 1e3 * budget.tank_J << " mJ and " << budget.power_W << " W for "
+         << kEnergySourceNames[n] << "; expected 0 to " << 1e3 * EnergyBudget::kMost_J
+         << " mJ and 0 to " << EnergyBudget::kMost_W << " W";
+    return invalid_argument("energy_budgets", text.str());
+  }
+  return std::nullopt;
+}
+
 Result<VelocitySettings> make_velocity(const RunSettings& settings) {
   VelocitySettings velocity = settings.haptics.coupling.velocity;
   if (settings.encoder_quantum_m) {
@@ -117,6 +130,7 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
   if (auto error = check_numbers<double>(settings)) return *error;
   if (auto error = check_rate(settings.rate_Hz)) return *error;
   if (auto error = check_max_force(settings)) return *error;
+  if (auto error = check_energy_budgets(settings.energy_budgets)) return *error;
   const auto actuation = make_actuation(settings);
   if (!actuation) return actuation.error();
   if (auto error = check_align(settings.haptics.a4.align, settings.haptics.a4.table1,
@@ -144,6 +158,7 @@ Result<RunSetup> make_setup(const RunSettings& settings) {
                  settings.max_force_N,
                  device_of(settings, *actuation)};
   setup.haptics = settings.haptics;
+  setup.governor.budgets = settings.energy_budgets;
   if (settings.work_budget) setup.haptics.god_object.accuracy.work_budget = *settings.work_budget;
   if (settings.measures_work_budget) {
     setup.measured_budget = measured_work_budget(setup.dt_s);

@@ -14,6 +14,7 @@
 #include "geometry/base/result.h"
 #include "haptics/a4/actuation.h"
 #include "haptics/haptic_loop.h"
+#include "haptics/safety_governor.h"
 
 namespace palpate {
 
@@ -43,6 +44,7 @@ struct RunSettings {
   bool measures_work_budget = false;
   double rate_Hz = 1000.0;
   std::optional<double> max_force_N;        // lowers the device's peak force; no value: not lowered
+  EnergyBudgets energy_budgets = {};        // of the governor, on a device that moves motors
   std::optional<double> encoder_quantum_m;  // quantum of the device and of the adaptive estimator
   std::optional<double> plane_height_m;  // for a planar device; no value: chosen by the run, or 0
   std::vector<SteadyMotion> moves;
@@ -59,6 +61,7 @@ struct RunSetup {
   std::optional<double> max_force_N = {};     // see SessionParts
   DeviceDescription device = light_device();  // held by the simulated hand
   std::optional<MeasuredBudget> measured_budget = {};
+  GovernorSettings governor = {};  // see SessionParts
 };
 
 // Checks that all settings are finite and within their ranges, and creates the setup. An error

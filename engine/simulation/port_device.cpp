@@ -33,7 +33,9 @@ DeviceSample PortDevice::read(double dt_s) noexcept {
   if (was_read_) advance_to(time_s_ + dt_s);
   const bool is_first = !was_read_;
   was_read_ = true;
-  if (!is_first && no_samples_.contains(time_s_)) return sample_;
+  const bool is_due = is_first || ++ticks_since_sample_ >= settings_.ticks_per_sample;
+  if (!is_due || (!is_first && no_samples_.contains(time_s_))) return sample_;
+  ticks_since_sample_ = 0;
   const double quantum_m = settings_.device.encoder_quantum_m;
   for (std::size_t k = 0; k < 3; ++k) {
     const double x_m = tip_.position_m()[static_cast<Eigen::Index>(k)];

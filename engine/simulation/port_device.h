@@ -19,6 +19,7 @@ struct PortDeviceSettings {
   TipSettings tip;                                           // what it is
   Vec3 start_m = Vec3::Zero();
   double delay_s = 0.0;  // from a sample to the force that answers it; >= 0
+  int ticks_per_sample = 1;  // read() repeats the sample before until so many ticks have passed
 };
 
 // A span of simulated time, from_s <= time < until_s.
@@ -70,6 +71,7 @@ class PortDevice final : public Device {
   HeldTip tip_;
   double time_s_ = 0.0;
   bool was_read_ = false;
+  int ticks_since_sample_ = 0;
   DeviceSample sample_;
   Vec3 motors_N_ = Vec3::Zero();
   std::array<Command, kMostOnTheWay> on_the_way_;  // a ring

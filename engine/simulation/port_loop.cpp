@@ -53,12 +53,13 @@ Result<std::unique_ptr<PortLoop>> PortLoop::create(const PortLoopSettings& setti
   HapticSettings haptics;
   haptics.a4.enabled = false;
   haptics.coupling = settings.coupling;
+  if (settings.strategy) set_strategy(*settings.strategy, haptics);
   haptics.initial_pose.rotation = Quat(loop->R_device_shape_);
   RunSetup setup{*actuation, haptics, loop->dt_s_, {}};
   setup.device = device;
-  auto rig = Rig::create(
-      loop->scene_, setup, loop->device_,
-      {.changes = std::move(changes), .observers = {loop.get()}, .governor = settings.governor});
+  setup.governor = settings.governor;
+  auto rig = Rig::create(loop->scene_, setup, loop->device_,
+                         {.changes = std::move(changes), .observers = {loop.get()}});
   if (!rig) return rig.error();
   loop->rig_ = std::move(*rig);
   if (const auto problem = loop->rig_->session().start()) {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/rig/rig.h"
@@ -28,6 +29,7 @@ struct PortLoopSettings {
   double turn_rad = 0.0;  // of the shape about z, from the device frame
   PortDeviceSettings device;
   CouplingSettings coupling;
+  std::optional<Strategy> strategy = {};  // no value: the force of all motors, without A4
   double rate_Hz = 1000.0;
   GovernorSettings governor = {};
 };

@@ -271,6 +271,7 @@ std::optional<ViewModel::Event> ViewSession::take_event() {
       return Event{"recording", "the recording has ended: " + *why};
     }
   }
+  if (!untold_walls_.empty()) return Event{"stiffness", std::exchange(untold_walls_, {})};
   GovernorStatus governor;
   if (!session().latest(governor) || governor.trips == told_trips_) return std::nullopt;
   told_trips_ = governor.trips;
@@ -297,13 +298,28 @@ void ViewSession::pause(bool paused) {
   session().set_paused(paused);
 }
 
+std::optional<std::string> ViewSession::set(const PageRequest& request) {
+  const auto text_of = [](const Error& error) {
+    return error.element + ": " + error.problem;  // hints are for command lines
+  };
+  const double* const number = std::get_if<double>(&request.value);
+  const bool is_judged = settings_.judge != nullptr && number != nullptr;
+  std::string told;
+  if (is_judged) {
+    auto judged = settings_.judge->judge(request.name, *number);
+    if (!judged) return text_of(judged.error());
+    told = std::move(*judged);
+  }
+  if (const auto error = page_settings_.set(request.name, request.value)) return text_of(*error);
+  if (is_judged) settings_.judge->keep();
+  if (!told.empty()) untold_walls_ = std::move(told);
+  return std::nullopt;
+}
+
 std::optional<std::string> ViewSession::carry_out(const PageRequest& request) {
   switch (request.kind) {
     case PageRequest::Kind::kSet:
-      if (const auto error = page_settings_.set(request.name, request.value)) {
-        return error->element + ": " + error->problem;  // hints are for command lines
-      }
-      return std::nullopt;
+      return set(request);
     case PageRequest::Kind::kRearm:
       session().rearm();
       return std::nullopt;

@@ -25,6 +25,7 @@
 #include "engine/viewer/state_publisher.h"
 #include "engine/viewer/tick_statistics.h"
 #include "engine/viewer/view_model.h"
+#include "engine/viewer/wall_judge.h"
 
 namespace palpate {
 
@@ -43,8 +44,9 @@ struct ViewSettings {
   std::optional<int> cpu;  // see HapticThreadSettings
   bool has_guard = true;   // see GuardedRunSettings
   bool without_realtime = false;
-  bool takes_motors = true;   // see SessionParts
-  bool stays_inside = false;  // see DeviceRunSettings
+  bool takes_motors = true;    // see SessionParts
+  bool stays_inside = false;   // see DeviceRunSettings
+  WallJudge* judge = nullptr;  // null: no wall is judged; it must outlive the session
   ViewRecording recording;
 };
 
@@ -105,6 +107,7 @@ class ViewSession final : public ViewModel {
 
   HapticSession& session() { return rig_->session(); }
   bool is_simulated() const { return person_ == nullptr; }
+  std::optional<std::string> set(const PageRequest& request);
   std::optional<Error> encode_scene();
   void pause(bool paused);
   std::optional<double> measured_rate_Hz();
@@ -128,6 +131,7 @@ class ViewSession final : public ViewModel {
   TickStatistics statistics_;
   std::uint64_t told_trips_ = 0;
   bool has_told_recording_ = false;  // that it ended
+  std::string untold_walls_;         // what the judge of the walls says
   std::uint64_t counted_ticks_ = 0;
   std::chrono::steady_clock::time_point counted_at_;
   std::optional<double> last_rate_Hz_;

@@ -1,5 +1,8 @@
 #include "haptics/strategies/anisotropic.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "haptics/effects/damping.h"
 #include "haptics/effects/effect_program.h"
 #include "haptics/effects/stiffness.h"
@@ -25,6 +28,16 @@ class AnisotropicStep final : public StrategyStep {
                                      const StrategyTick& tick) noexcept override {
     return StrategyForce{tick.R_device_scene * tick.proxy.pressed_part(force_N),
                          tick.actuation.actuated_part(tick.R_device_scene * force_N)};
+  }
+
+  // The spring stores K/2 |lag|_W^2. |lag|_W grows by at most |dx|_W, which is at most |dx| times
+  // the root of the larger one of 1 and E.
+  CountedSpring counted_spring(const Vec3& lag_m,
+                               const StrategyTick& tick) const noexcept override {
+    const double anisotropy = tick.settings.strategy->parameter;
+    const AnisotropicNorm norm = anisotropic_norm(anisotropy, tick.actuation, tick.R_device_scene);
+    const double factor = std::max(1.0, anisotropy);
+    return {factor, norm.length(lag_m) / std::sqrt(factor)};
   }
 };
 

@@ -24,6 +24,8 @@
 // (F.N)N. In a corner, where N is the average of several normals, (F.N)N would be shorter than the
 // force that `mask` records for the same contact.
 //
+// The safety governor counts the spring with this norm, too (CountedSpring): it stores E_W.
+//
 // Scope: a point proxy, no friction, no effect beside stiffness and damping, a scene that A4 does
 // not turn. check_settings() refuses settings and worlds beyond it.
 

@@ -39,6 +39,13 @@ struct StrategyForce {
   Vec3 commanded_N;  // TickRecord::force_device_N
 };
 
+// The spring of a contact, as the safety governor counts it: an isotropic one that stores the same
+// energy, and whose lag grows by no more than the way of the hand while the scene is fixed.
+struct CountedSpring {
+  double stiffness_factor = 1.0;  // of the coupling's stiffness
+  double lag_m = 0.0;
+};
+
 // Each loop has its own object. The functions are called in ticks with a good sample and a hand
 // that is not free, in the order below; one that is not overridden leaves the tick as it is without
 // a strategy. Safe on the haptic thread: no allocation, lock or exception after construction.
@@ -64,6 +71,11 @@ class StrategyStep {
   virtual std::optional<StrategyForce> force(const Vec3& /*force_N*/,
                                              const StrategyTick&) noexcept {
     return std::nullopt;
+  }
+
+  // lag_m: from the device point to the proxy, solver axes. Between ticks, too.
+  virtual CountedSpring counted_spring(const Vec3& lag_m, const StrategyTick&) const noexcept {
+    return {1.0, lag_m.norm()};
   }
 
   // After action 6, with the pose after A4's turn: a further rotation of the scene, about the

@@ -272,6 +272,17 @@ TEST(Advice, ADeviceWithoutAPassiveWallGetsAStableOne) {
   }
 }
 
+// b / (T / 2 + D), to first order: 139 N/m for the bare tip, at 3.1 ms and 1 kHz.
+TEST(Advice, WithoutAStatedDelayTheStiffnessNamesThatOfMotors) {
+  AdviceInput input = input_of({});
+  input.device.mass_kg = 0.1;
+  input.device.damping_Ns_per_m = 0.5;
+  EXPECT_TRUE(says(answer_of(*advise(input), "Stiffness").limit,
+                   "if it is up to 3.1 ms, walls are stable below 130 N/m."));
+  input.device.delay = {1e-3, 1e-3};
+  EXPECT_FALSE(says(answer_of(*advise(input), "Stiffness").limit, "With motors"));
+}
+
 TEST(Advice, ASurfaceThatIsNotPassiveIsNamed) {
   SceneFindings scene = findings(8000.0);
   const CouplingSettings steel{3000.0, 0.0};

@@ -320,11 +320,40 @@ def check_budgets(copy):
     for row in ("| `mask` | 9.00 mm | 0 % |", "| `a4-passive:5` | 5.00 mm | 80 % |",
                 "| `a4-passive:10` | 8.00 mm | 20 % |", "| `a4` | 4.00 mm | 100 % |"):
         expect(row in text, f"the page has the gain of each budget: {row}")
+    for row in result["presses"]:
+        if row["pause_s"] == 2.0:
+            row["depth_m"] = depths.get(row["strategy"], 8e-3)
+    path.write_text(json.dumps(result))
+    expect(copy.run()[0] == 0 and "| `a4-passive:5` | 5.00 mm | 80 % |" in copy.block("presses"),
+           "the page has the gain of presses")
     result["means"] = [row for row in result["means"] if row["strategy"] != "a4"]
     path.write_text(json.dumps(result))
     expect_refused(copy, "a measurement without a4 is named", "a4_passive.json")
     path.write_text(committed)
     expect(copy.run()[0] == 0, "the committed budgets are accepted")
+
+
+def check_calm_chart(copy):
+    path = copy.root / "benchmarks/results/calm_chart/calm_chart.csv"
+    committed = path.read_text()
+    for outcome, words in (("swings", "1 **broken**"), ("returns energy", "1 **broken**"), ("tripped", "1 let go")):
+        path.write_text(committed.replace(",stable,none,", f",{outcome},none,", 1))
+        expect_refused(copy, f"--check reports a contact that ended as: {outcome}", "differs")
+        expect(copy.run()[0] == 0, "other contacts are accepted")
+        for page in (copy.readme, copy.root / "docs/concepts/safety.md"):
+            expect(words.replace(" ", "\N{NO-BREAK SPACE}") in page.read_text(),
+                   f"{page.name} counts a contact that ended as: {outcome}")
+        path.write_text(committed)
+        expect(copy.run()[0] == 0, "the committed contacts are accepted")
+    path.write_text("\n".join(line for line in committed.splitlines() if ",refused," not in line) + "\n")
+    expect(copy.run()[0] == 0, "contacts of which none was refused are accepted")
+    cells = re.findall("\\| (\\d+)\N{NO-BREAK SPACE}of\N{NO-BREAK SPACE}(\\d+) ", copy.readme.read_text())
+    expect(len(cells) == 12 and all(at_rest == count for at_rest, count in cells),
+           "without refused contacts, all came to rest")
+    path.write_text(committed.replace("outcome", "end", 1))
+    expect_refused(copy, "a table without outcomes is named", "calm_chart")
+    path.write_text(committed)
+    expect(copy.run()[0] == 0, "the committed contacts are accepted again")
 
 
 def check_two_machines(copy):
@@ -370,6 +399,7 @@ def main():
         check_work(copy)
         check_comparison(copy)
         check_budgets(copy)
+        check_calm_chart(copy)
         check_two_machines(copy)
     print("the documents follow their results")
     return 0

@@ -46,7 +46,14 @@ TEST_F(CommandLine, AccuracyReportsOnAScene) {
   EXPECT_NE(done.out.find("highest servo rate kept"), std::string::npos);
   EXPECT_NE(done.out.find("K 900 N/m, not passive (passive up to 800 N/m)"), std::string::npos)
       << done.out;
-  EXPECT_NE(content_of(folder.path("accuracy/report.html")).find("Your scene"), std::string::npos);
+  const std::string page = content_of(folder.path("accuracy/report.html"));
+  EXPECT_NE(page.find("Your scene"), std::string::npos);
+  // 0.4 / (0.5 ms + 3.1 ms), the longest delay of a bare tip.
+  EXPECT_NE(done.out.find("stable below 111 N/m, calm by the controller up to "), std::string::npos)
+      << done.out;
+  EXPECT_NE(page.find("the setting, 900 N/m at a delay of 3.1 ms: calm only by the controller"),
+            std::string::npos);
+  EXPECT_EQ(content_of(folder.path("accuracy/stiffness_zones.csv")).find("rate_Hz,delay_s,"), 0u);
   const std::string csv = content_of(folder.path("accuracy/scene.csv"));
   for (const char* quantity : {"preset,fast,p50", "preset,exact,worst", "preset,balanced,error_rms",
                                "rate,safe,rate", "passive_up_to,800,N/m", "is_stable"}) {

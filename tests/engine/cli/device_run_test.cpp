@@ -232,6 +232,11 @@ TEST_F(DeviceRunProgram, AHandFeelsTheWallAfterTheStartRampAndNothingAtTheEnd) {
     EXPECT_FALSE(run.contains("comparable"));
     const std::string trace = content_of(folder.path("out/trace-off.csv"));
     EXPECT_EQ(std::count(trace.begin(), trace.end(), '\n'), 1 + run.at("ticks").get<long>());
+    // The chart of the stiffness has its setting in it.
+    EXPECT_NE(
+        content_of(folder.path("out/stiffness.svg")).find("the setting, 1 kN/m at a delay of "),
+        std::string::npos);
+    EXPECT_EQ(content_of(folder.path("out/stiffness.csv")).find("rate_Hz,delay_s,"), 0u);
 
     const auto log = board->log();
     const auto first =
@@ -482,6 +487,19 @@ TEST_F(DeviceRunProgram, RefusesBadOptionsInOneLine) {
            {{"--allow-unstable", "x"}, "--allow-unstable: is given alone; expected --device"},
            {{"--device", port, "--allow-unstable", ""}, "--allow-unstable: has an empty value"},
            {{"--cpu", "0"}, "--cpu: is given alone; expected --device beside it"},
+           {{"--energy-budget", "motors=1"}, "--energy-budget: is given alone; expected --device"},
+           {{"--device", port, "--energy-budget", "motors"},
+            "--energy-budget: is \"motors\"; expected SOURCE=MJ or SOURCE=MJ,W with 0 to 1000 mJ "
+            "and 0 to 1 W"},
+           {{"--device", port, "--energy-budget", "motor=1"},
+            "\"motor=1\", whose source is none of motors, nodes, vibration, restitution, magnet, "
+            "gravity, other; expected SOURCE=MJ"},
+           {{"--device", port, "--energy-budget", "motors=1,2,3"}, "--energy-budget: is \"motors"},
+           {{"--device", port, "--energy-budget", "motors=1001"}, "--energy-budget: is \"motors"},
+           {{"--device", port, "--energy-budget", "motors=1,1.1"}, "--energy-budget: is \"motors"},
+           {{"--device", port, "--energy-budget", "motors=-1"}, "--energy-budget: is \"motors"},
+           {{"--device", port, "--energy-budget", "motors=1", "--energy-budget", "motors=2"},
+            "\"motors=2\", which states the source again; expected"},
        }) {
     std::vector<std::string> arguments = {"run", scene};
     arguments.insert(arguments.end(), c.arguments.begin(), c.arguments.end());
@@ -561,6 +579,30 @@ TEST_F(DeviceRunProgram, RefusesAStiffnessThatNoDampingHoldsWithTheValueThatFits
   const Outcome info = run_program(folder, {"recording", "info", recording, "--json"});
   EXPECT_EQ(json::parse(info.out)[0]["meta"]["allow_unstable"], "a test of the limits") << info.out;
   EXPECT_EQ(run_program(folder, {"replay", recording}).exit_code, 0);
+}
+
+TEST_F(DeviceRunProgram, TellsEnergyBudgetsThatAreNotTheInitialOnesAndKeepsThem) {
+  const std::string recording = folder.path("budgets.palpate");
+  const Outcome outcome = run_program(
+      folder, arguments("2", {"--energy-budget", "motors=100", "--energy-budget", "nodes=0,0.2",
+                              "--record", recording, "--stiffness", "auto"}));
+  ASSERT_NE(outcome.out, "") << outcome.err;
+  EXPECT_NE(outcome.err.find("palpate: energy budgets: motors 100 mJ at once and 0.25 W for ever "
+                             "(default 250 mJ and 0.25 W); nodes 0 mJ at once and 0.2 W for ever "
+                             "(default 50 mJ and 0.5 W)\n"),
+            std::string::npos)
+      << outcome.err;
+  const json budgets = json::parse(outcome.out).at("device").at("energy_budgets");
+  EXPECT_EQ(budgets.at("motors").at("tank_J"), 0.1);
+  EXPECT_EQ(budgets.at("gravity").at("tank_J"), 1.0);
+  const Outcome info = run_program(folder, {"recording", "info", recording, "--json"});
+  const json meta = json::parse(info.out)[0]["meta"];
+  EXPECT_EQ(meta.at("session.energy_budgets.motors_J"), 0.1);
+  EXPECT_EQ(meta.at("session.energy_budgets.nodes_W"), 0.2);
+  EXPECT_EQ(run_program(folder, {"replay", recording}).exit_code, 0);
+  const Outcome usual =
+      run_program(folder, arguments("2", {"--stiffness", "auto", "--energy-budget", "motors=250"}));
+  EXPECT_EQ(usual.err.find("energy budgets"), std::string::npos) << usual.err;
 }
 
 TEST_F(DeviceRunProgram, RefusesSlowTicksSlowMessagesAndASlowLine) {

@@ -273,7 +273,8 @@ def check_studies(palpate, folder, generator):
     command = [palpate, "accuracy", "--quick", "--knob", "a4_step", "--out", "study/new"]
     whole_s = seconds_of(command, folder)
     study = folder / "study" / "new"
-    check({path.name for path in study.iterdir()} == {"raw.csv", "report.html", "a4_step.svg"},
+    check({path.name for path in study.iterdir()} ==
+          {"raw.csv", "report.html", "stiffness_zones.csv", "a4_step.svg"},
           f"{list(study.iterdir())}")
     before = {path.name: path.read_text() for path in study.iterdir()}
     for _ in range(6):

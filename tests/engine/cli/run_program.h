@@ -42,13 +42,15 @@ struct StartedProgram {
 };
 
 // Starts the program in the folder. stdout_path: if not empty, stdout is redirected to this file.
+// program: its path.
 inline StartedProgram start_program(const TemporaryFolder& folder,
                                     std::vector<std::string> arguments,
-                                    const std::string& stdout_path = {}) {
+                                    const std::string& stdout_path = {},
+                                    const char* program = PALPATE_PROGRAM) {
   StartedProgram started{0, stdout_path.empty() ? folder.path("stdout") : "",
                          folder.path("stderr")};
   const std::string out = stdout_path.empty() ? started.out : stdout_path;
-  arguments.insert(arguments.begin(), PALPATE_PROGRAM);
+  arguments.insert(arguments.begin(), program);
   std::vector<char*> argv;
   for (std::string& a : arguments) argv.push_back(a.data());
   argv.push_back(nullptr);
@@ -60,7 +62,7 @@ inline StartedProgram start_program(const TemporaryFolder& folder,
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, started.err.c_str(), flags, 0600);
   posix_spawn_file_actions_addchdir_np(&actions, folder.path().c_str());
   const int refused =
-      posix_spawn(&started.process, PALPATE_PROGRAM, &actions, nullptr, argv.data(), environ);
+      posix_spawn(&started.process, program, &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   EXPECT_EQ(refused, 0);
   return started;

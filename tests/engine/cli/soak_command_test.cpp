@@ -59,7 +59,7 @@ TEST(SoakCommand, CountsAndTimesTheEffects) {
 }
 
 // The rows of a table without its columns.
-std::ptrdiff_t rows_of(const std::string& csv) {
+std::ptrdiff_t row_count(const std::string& csv) {
   return std::count(csv.begin(), csv.end(), '\n') - 1;
 }
 
@@ -82,15 +82,15 @@ TEST(SoakCommand, RunsTheChartOfDevicesTheSameWayAgain) {
     EXPECT_EQ(cases, 30u);
     EXPECT_EQ(broken, report["broken_cases"].size());
     const std::string csv = content_of(folder.path(std::string(out) + "/calm_chart.csv"));
-    EXPECT_EQ(rows_of(csv), 30);
-    EXPECT_EQ(rows_of(content_of(folder.path(std::string(out) + "/stiffness_zones.csv"))), 4 * 51);
+    EXPECT_EQ(row_count(csv), 30);
+    EXPECT_EQ(row_count(content_of(folder.path(std::string(out) + "/stiffness_zones.csv"))), 4 * 51);
     if (first.empty()) first = csv;
     EXPECT_EQ(csv, first);
   }
   const Outcome other =
       run_program(folder, {"soak", "--device", "--cases", "30", "--seed", "8", "--rate", "1000"});
   const std::string csv = content_of(folder.path("out/calm_chart.csv"));
-  EXPECT_EQ(rows_of(csv), 30);
+  EXPECT_EQ(row_count(csv), 30);
   EXPECT_NE(csv, first);
   EXPECT_NE(other.out.find("zone of the stiffness"), std::string::npos);
 }

@@ -2,12 +2,17 @@
 
 #include "engine/devices/stiffness_zones.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "engine/devices/coupling_dampers.h"
 #include "engine/devices/stability_limits.h"
+#include "engine/simulation/mass_damper.h"
+#include "haptics/effects/virtual_coupling.h"
 #include "tests/helpers/random.h"
 #include "tests/helpers/tick_map.h"
 
@@ -206,6 +211,147 @@ TEST(StiffnessZones, ACouplingWithMuchDampingHasNoControlledZoneBelowItsStableLi
   const StiffnessZones zones = stiffness_zones(board(0.1, 0.5, {1e-3, 1e-3}), 30.0, 1e-3).value();
   EXPECT_EQ(zones.calm_N_per_m, zones.stable_N_per_m);
   EXPECT_EQ(zones.zone_of(1.01 * zones.stable_N_per_m), StiffnessZone::kRefused);
+}
+
+// Whether a tip that is let go at 1 mm in a wall comes to rest. The loop is that of the engine: its
+// coupling with its estimator of the velocity, the controller's damper over its window, and a force
+// that acts some whole ticks later and is held.
+class LetGo {
+ public:
+  LetGo(const StiffnessZones& zones, const CouplingSettings& coupling, int delay_ticks)
+      : coupling_settings_(coupling),
+        coupling_(coupling),
+        tip_(zones.mechanics.mass_kg, zones.mechanics.damping_Ns_per_m),
+        period_s_(zones.period_s),
+        forces_N_(static_cast<std::size_t>(delay_ticks) + 1, 0.0) {
+    controller_ = VelocityEstimator({VelocityMethod::kDifference, zones.velocity_ticks});
+    tip_.put({1e-3, 0.0, 0.0}, Vec3::Zero());
+  }
+  void add_controller(double damping_Ns_per_m) { controller_Ns_per_m_ = damping_Ns_per_m; }
+
+  // The largest depth of the last fifth of a time, by that of the fifth before.
+  double growth(int ticks) {
+    double before_m = 0.0, last_m = 0.0;
+    for (int n = 0; n < ticks; ++n) {
+      const double depth_m = tick();
+      if (n >= ticks - 2 * ticks / 5 && n < ticks - ticks / 5) {
+        before_m = std::max(before_m, depth_m);
+      }
+      if (n >= ticks - ticks / 5) last_m = std::max(last_m, depth_m);
+    }
+    return last_m > kNothing_m ? last_m / before_m : 0.0;
+  }
+
+ private:
+  static constexpr double kNothing_m = 1e-100;  // what decays becomes denormal, and stays there
+
+  double tick() {
+    const Vec3 x_m = tip_.position_m();
+    const Vec3 lag_m = -x_m;
+    const Vec3 rate = coupling_.lag_rate_m_per_s(lag_m, period_s_);
+    double force_N = coupling_settings_.stiffness_N_per_m * lag_m.x() +
+                     coupling_settings_.damping_Ns_per_m * rate.x();
+    force_N -= controller_Ns_per_m_ * controller_.add(x_m, period_s_).x();
+    forces_N_.push_back(force_N);
+    tip_.advance({forces_N_[forces_N_.size() - last_], 0.0, 0.0}, period_s_);
+    return std::abs(x_m.x());
+  }
+
+  CouplingSettings coupling_settings_;
+  VirtualCoupling coupling_;
+  VelocityEstimator controller_{VelocitySettings{}};
+  double controller_Ns_per_m_ = 0.0;
+  MassDamper tip_;
+  double period_s_;
+  std::vector<double> forces_N_;
+  std::size_t last_ = forces_N_.size();
+};
+
+// The damper of a coupling with a window of many ticks acts later. The limits are those at which
+// the engine's own loop begins to swing.
+TEST(StiffnessZones, AWindowOfTheCouplingsVelocityCountsAsItsLoopDoes) {
+  Random random(4914);
+  for (int trial = 0; trial < 40; ++trial) {
+    const bool is_line = trial % 2 == 1;
+    const int window = 2 + static_cast<int>(random.index(30));
+    const int delay_ticks = static_cast<int>(random.index(4));
+    const double period_s = 1e-3, mass = random.uniform(0.1, 0.5);
+    const double delay_s = std::max(1e-12, delay_ticks * period_s);
+    const VelocitySettings velocity{
+        is_line ? VelocityMethod::kLineFit : VelocityMethod::kDifference, window};
+    const double damping =
+        random.uniform(0.1, 0.9) * largest_damping_Ns_per_m(mass, delay_s, period_s, window);
+    const DeviceDescription device = board(mass, 0.5, {delay_s, delay_s});
+    const StiffnessZones zones = stiffness_zones(device, damping, period_s, velocity).value();
+    ASSERT_GT(zones.stable_N_per_m, 0.0);
+    const auto growth = [&](double stiffness, double controller) {
+      LetGo loop(zones, {stiffness, damping, velocity}, delay_ticks);
+      loop.add_controller(controller);
+      return loop.growth(20'000);
+    };
+    EXPECT_LT(growth(0.97 * zones.stable_N_per_m, 0.0), 1.0) << "trial " << trial;
+    EXPECT_GT(growth(1.03 * zones.stable_N_per_m, 0.0), 1.0) << "trial " << trial;
+    const double rest = std::max(0.0, zones.damping_Ns_per_m - damping);
+    EXPECT_LT(growth(0.99 * zones.calm_N_per_m, rest), 1.0) << "trial " << trial;
+    if (zones.calm_N_per_m == zones.stable_N_per_m) continue;
+    EXPECT_LT(growth(1.9 * zones.calm_N_per_m, rest), 1.0) << "trial " << trial;
+    EXPECT_GT(growth(2.1 * zones.calm_N_per_m, rest), 1.0) << "trial " << trial;
+  }
+}
+
+TEST(StiffnessZones, AreSmallerForALongerWindow) {
+  const DeviceDescription device = board(0.1, 0.5, {1e-3, 1e-3});
+  const auto with = [&](VelocityMethod method, int window) {
+    return stiffness_zones(device, 2.0, 1e-3, {method, window, 1e-5}).value();
+  };
+  const StiffnessZones one = with(VelocityMethod::kDifference, 1);
+  const StiffnessZones same = stiffness_zones(device, 2.0, 1e-3).value();
+  EXPECT_EQ(one.stable_N_per_m, same.stable_N_per_m);
+  EXPECT_EQ(one.calm_N_per_m, same.calm_N_per_m);
+  for (const VelocityMethod method :
+       {VelocityMethod::kDifference, VelocityMethod::kLineFit, VelocityMethod::kAdaptive}) {
+    const StiffnessZones many = with(method, 20);
+    EXPECT_LT(many.stable_N_per_m, one.stable_N_per_m);
+    EXPECT_LT(many.calm_N_per_m, one.calm_N_per_m);
+    EXPECT_EQ(many.passive_N_per_m, one.passive_N_per_m);
+    EXPECT_EQ(with(method, 1).stable_N_per_m, one.stable_N_per_m);
+  }
+  // The adaptive method may have any of its windows.
+  EXPECT_LE(with(VelocityMethod::kAdaptive, 20).stable_N_per_m,
+            with(VelocityMethod::kDifference, 20).stable_N_per_m);
+  // Without a damper, no window counts.
+  const auto undamped = stiffness_zones(device, 0.0, 1e-3, {VelocityMethod::kLineFit, 20});
+  EXPECT_EQ(undamped->stable_N_per_m, stiffness_zones(device, 0.0, 1e-3)->stable_N_per_m);
+}
+
+// The weights of a line are those of the engine's estimator, at random positions.
+TEST(CouplingDampers, AreTheForceOfTheEnginesEstimator) {
+  Random random(4915);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int window = 1 + static_cast<int>(random.index(VelocityEstimator::kMostTicks));
+    const VelocitySettings settings{
+        trial % 2 == 0 ? VelocityMethod::kLineFit : VelocityMethod::kDifference, window};
+    VelocityEstimator estimator(settings);
+    std::vector<double> x_m;
+    double velocity = 0.0;
+    for (int n = 0; n <= window; ++n) {
+      x_m.push_back(random.uniform(-1e-2, 1e-2));
+      velocity = estimator.add({x_m.back(), 0.0, 0.0}, 1e-3).x();
+    }
+    const auto entries = coupling_dampers(3.0, settings);
+    ASSERT_EQ(entries.size(), 1u);
+    double force_N = 0.0, whole = 0.0, size_N = 0.0;
+    for (const LoopDamper& damper : entries.front()) {
+      const double back_m = x_m[x_m.size() - 1 - static_cast<std::size_t>(damper.velocity_ticks)];
+      const double part_N =
+          damper.damping_Ns_per_m * (x_m.back() - back_m) / (damper.velocity_ticks * 1e-3);
+      force_N += part_N;
+      size_N += std::abs(part_N);
+      whole += damper.damping_Ns_per_m;
+    }
+    EXPECT_NEAR(force_N, 3.0 * velocity, 1e-12 * size_N);  // some hundred roundings
+    EXPECT_NEAR(whole, 3.0, 1e-12);
+  }
 }
 
 TEST(StiffnessZones, HaveNames) {

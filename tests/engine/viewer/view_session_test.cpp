@@ -173,6 +173,58 @@ TEST(ViewSession, APersonWhoBeginsInsideCanStay) {
   EXPECT_TRUE(held.wait_for_inside(false));
 }
 
+// Refuses a stiffness above 1000 N/m, and tells one above 500 N/m.
+class TestJudge final : public WallJudge {
+ public:
+  Result<std::string> judge(const std::string& name, double value) override {
+    if (name != "stiffness") return std::string();
+    if (value > 1000.0) return invalid_argument(name, "is too much; expected at most 1000 N/m");
+    return value > 500.0 ? std::string("calm only by the controller") : std::string();
+  }
+  void keep() override { ++kept; }
+
+  int kept = 0;
+};
+
+TEST(ViewSession, RefusesAndTellsWhatTheJudgeOfTheWallsSays) {
+  const Scene scene = loaded("sphere.glb");
+  HeldTip tip;
+  TestJudge judge;
+  ViewSettings settings = named("a sphere");
+  settings.has_guard = false;
+  settings.without_realtime = true;
+  settings.judge = &judge;
+  const auto session = std::move(*ViewSession::create(scene, setup_of(3, 3), settings, &tip));
+  ASSERT_FALSE(session->start());
+  const auto set = [&](const std::string& name, const SettingValue& value) {
+    PageRequest request;
+    request.kind = PageRequest::Kind::kSet;
+    request.name = name;
+    request.value = value;
+    return session->carry_out(request).value_or("");
+  };
+  const auto stiffness = [&] {
+    return nlohmann::json::parse(session->status(1))["settings"]["stiffness"].get<double>();
+  };
+  EXPECT_EQ(set("stiffness", 400.0), "");
+  EXPECT_EQ(judge.kept, 1);
+  EXPECT_FALSE(session->take_event());
+  EXPECT_EQ(set("stiffness", 1500.0), "stiffness: is too much; expected at most 1000 N/m");
+  EXPECT_EQ(judge.kept, 1);
+  EXPECT_EQ(set("stiffness", 600.0), "");
+  const auto event = session->take_event();
+  ASSERT_TRUE(event);
+  EXPECT_EQ(event->kind, "stiffness");
+  EXPECT_EQ(event->text, "calm only by the controller");
+  EXPECT_FALSE(session->take_event());
+  // What the page refuses is not kept, and what is no number is not judged.
+  EXPECT_NE(set("stiffness", -1.0), "");
+  EXPECT_EQ(judge.kept, 2);
+  EXPECT_EQ(set("a4", false), "");
+  EXPECT_EQ(judge.kept, 2);
+  EXPECT_EQ(stiffness(), 600.0);
+}
+
 TEST(ViewSession, RestsInFrontOfTheSceneUntilAPointerComes) {
   const Scene scene = loaded("star.glb");
   Viewed viewed(scene, setup_of(2, 1));
