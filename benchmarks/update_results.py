@@ -19,6 +19,8 @@ import sys
 sys.dont_write_bytecode = True  # no folder beside the sources
 import a4_figure  # noqa: E402
 import accuracy_results  # noqa: E402
+import calm_chart_figure  # noqa: E402
+import calm_chart_results  # noqa: E402
 import compare_results  # noqa: E402
 import contour_results  # noqa: E402
 import experiment_results  # noqa: E402
@@ -69,22 +71,20 @@ def a4_block(objects):
     (off_deg, on_deg), (off_J, on_J) = (means(objects, key)
                                         for key in ("mean_contact_angle_deg", "port_work_J"))
     off, on = objects["star"]
-    return (f"On one way round each of the paper's {NUMBERS[len(objects)]} objects, the mean contact angle of a "
-            f"simulated hand falls from {off_deg:.1f} to {on_deg:.1f} deg with A4. In exchange, the device returns "
-            f"{1000 * on_J:.0f} mJ to the hand, and {1000 * off_J:.0f} mJ without A4; on the star, the hand loses "
-            f"contact {on['losses_of_contact']:.0f} times in place of {off['losses_of_contact']:.0f}.")
+    return (f"Round each of the paper's {NUMBERS[len(objects)]} objects, the mean contact angle of a simulated hand "
+            f"falls from {off_deg:.1f} to {on_deg:.1f} deg with A4. In exchange, the device returns {1000 * on_J:.0f} mJ in place "
+            f"of {1000 * off_J:.0f} mJ; on the star, the hand loses contact {on['losses_of_contact']:.0f} times in place "
+            f"of {off['losses_of_contact']:.0f}.")
 
 
 def headline_block(machine, work):
     tick = [machine.counter("tick_sliding", key) for key in ("p50_ns", "p99_ns")]
-    slowest_ns = longest_ns(work)
-    slowest = (f"the slowest of the inputs that were built to be slow took {slowest_ns / 1e6:.2f} ms "
-               f"({', '.join(work)})")
+    slowest = f"the slowest known input took {longest_ns(work) / 1e6:.2f} ms ([measured](docs/study/results-ticks.md))."
     if None in tick:
-        return f"- Speed at 1 kHz: {slowest}."
+        return f"- Speed at 1 kHz: {slowest}"
     median, most = map(tables.microseconds, tick)
-    return (f"- A tick takes {median} us (median) and {most} us (99 %) for a point that slides over "
-            f"{HEADLINE_TRIANGLES / 1e6:.1f} million triangles ({machine.context['cpu']}); {slowest}.")
+    return (f"- A tick takes {median} us (median) and {most} us (99 %) on {HEADLINE_TRIANGLES / 1e6:.1f} million "
+            f"triangles; {slowest}")
 
 
 # Blocks of the pages
@@ -178,6 +178,7 @@ def blocks_of(root, machines):
     contours = contour_results.read(root / "benchmarks/results/contour_angles.csv")
     comparison = compare_results.read(root / "benchmarks/results/compare")
     budgets = passive_results.read(root / "benchmarks/results/compare")
+    calm = calm_chart_results.read(root / "benchmarks/results/calm_chart")
     soaks = soak_results.read(root / "benchmarks/results/soak")
     view = session_results.read_view(root / "benchmarks/results/view/times.csv")
     frames = session_results.read_frames(root / "benchmarks/results/view/frames.json")
@@ -190,13 +191,15 @@ def blocks_of(root, machines):
         return {name: measured[name] for name in names}
 
     return {
-        README: {"a4": a4_block(objects), "headline": headline_block(newest, work)},
+        README: {"a4": a4_block(objects), "headline": headline_block(newest, work),
+                 "safe": calm_chart_results.block(calm)},
         STUDY / "experiment.md": {"experiment": experiment_results.block(experiment),
                                   "findings": experiment_results.findings_block(experiment),
                                   "rules": contour_results.rules_block(contours)},
         STUDY / "comparisons.md": {"compare": compare_results.block(comparison),
                                    "a4_losses": compare_results.losses_block(comparison),
-                                   "a4_passive": passive_results.block(budgets)},
+                                   "a4_passive": passive_results.block(budgets),
+                                   "presses": passive_results.presses_block(budgets)},
         STUDY / "sweeps.md": {"sweep": sweep_figure.block(root / "benchmarks/results/sweep")},
         STUDY / "soak.md": {"soaks": soak_results.block(soaks)},
         STUDY / "accuracy.md": of_machines("accuracy"),
@@ -235,9 +238,11 @@ def figures_of(root):
     folder = root / "benchmarks/results/paper_objects"
     sweep = root / "benchmarks/results/sweep"
     compare = root / "benchmarks/results/compare"
+    calm = root / "benchmarks/results/calm_chart"
     try:
         return {folder / "a4.svg": a4_figure.svg_of(folder),
                 compare / "a4_passive.svg": passive_results.draw(passive_results.read(compare)),
+                calm / "calm_chart.svg": calm_chart_figure.svg_of(calm),
                 sweep / "a4_helps.svg": sweep_figure.svg_of(sweep),
                 root / "haptics/proxy/groove.svg": groove_figure.draw()}
     except (OSError, ValueError, KeyError) as error:
