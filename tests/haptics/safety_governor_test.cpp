@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iostream>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -654,6 +655,24 @@ TEST(SafetyGovernor, OfADeviceWithoutMotorsOnlyClampsAndDropsForces) {
   device.peak_force_N = 0.0;
   Rig path(device);
   EXPECT_EQ(path.tick({900.0, 20.0, 0.0}), Vec3(900.0, 20.0, 0.0));
+}
+
+// What the delay makes of a vibration does not swing by itself, whatever the hand does.
+TEST(SafetyGovernor, DoesNotDampAVibrationWithinItsBudget) {
+  constexpr double kVibration_rad_per_s = 2.0 * std::numbers::pi * 100.0;
+  for (int n = 0; n < 8; ++n) {
+    Rig rig;
+    rig.run_in();
+    for (int k = 0; k < 300; ++k) {
+      const double phase = kVibration_rad_per_s * kPeriod_s * k;
+      rig.position_m.x() = 0.2e-3 * std::sin(phase + n * std::numbers::pi / 4.0);
+      const Vec3 force_N(0.5 * std::sin(phase), 0.0, 0.0);
+      rig.sources.has_effects = true;
+      rig.sources.effects_N[0] = force_N;
+      EXPECT_EQ(rig.tick(force_N), force_N);
+      ASSERT_EQ(rig.record.rules & kRuleDamping, 0u) << n << ' ' << k;
+    }
+  }
 }
 
 // The work that the motors give, and what masking gives by design: the hand of
