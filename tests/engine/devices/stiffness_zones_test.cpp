@@ -29,6 +29,7 @@ DeviceDescription board(double mass_kg, double damping_Ns_per_m, DelayInterval d
   device.mass_kg = mass_kg;
   device.damping_Ns_per_m = damping_Ns_per_m;
   device.delay = delay;
+  device.rate_Hz = 0.0;  // a sample in every tick
   return device;
 }
 
@@ -45,6 +46,18 @@ TEST(StiffnessZones, AnUnknownDeviceHasThoseOfABareTipAtTheLongestDelayOfItsClas
   EXPECT_EQ(zones.stable_N_per_m, limits->stable_N_per_m);
   EXPECT_EQ(zones.passive_N_per_m, limits->passive_N_per_m);
   EXPECT_EQ(zones.auto_N_per_m, 0.5 * limits->stable_N_per_m);
+}
+
+// The newest sample is up to 3 ms older.
+TEST(StiffnessZones, RareSamplesAreALongerDelay) {
+  DeviceDescription device = board(0.1, 0.5, {1e-3, 2e-3});
+  device.rate_Hz = 250.0;
+  const StiffnessZones zones = stiffness_zones(device, 0.0, 1e-3).value();
+  const StiffnessZones late = stiffness_zones(board(0.1, 0.5, {1e-3, 5e-3}), 0.0, 1e-3).value();
+  EXPECT_NEAR(zones.stable_N_per_m, late.stable_N_per_m, 1e-9 * late.stable_N_per_m);
+  EXPECT_NEAR(zones.calm_N_per_m, late.calm_N_per_m, 1e-9 * late.calm_N_per_m);
+  EXPECT_LT(zones.calm_N_per_m,
+            0.5 * stiffness_zones(board(0.1, 0.5, {1e-3, 2e-3}), 0.0, 1e-3)->calm_N_per_m);
 }
 
 TEST(StiffnessZones, ABareTipHasTheLimitsOfTheNotesAtOneAndThreeMilliseconds) {
