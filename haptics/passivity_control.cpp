@@ -98,18 +98,18 @@ Vec3 PassivityControl::damping_N(const Tick& tick) noexcept {
   const SinceSample since = std::exchange(since_, {});
   if (!tick.has_way) count_ = 0;
   counted_damping_ = tick.is_disturbed ? 0.0 : device_.damping_Ns_per_m;
-  const Vec3 before_m = positions_m_[newest_];
+  samples_with_force_ = tick.force_N.isZero(0.0) ? 0 : samples_with_force_ + 1;
+  const std::size_t before = newest_;
   newest_ = (newest_ + 1) % kPositions;
   positions_m_[newest_] = tick.p_device_m;
   times_ns_[newest_] = tick.now_ns;
   count_ = std::min(count_ + 1, kPositions);
   if (count_ < 2 || !(period_s_ > 0.0)) return Vec3::Zero();
-  samples_with_force_ = tick.force_N.isZero(0.0) ? 0 : samples_with_force_ + 1;
   const std::size_t samples = std::min(samples_of_window(tick.longest_hold_s), count_ - 1);
   const std::size_t then = (newest_ + kPositions - samples) % kPositions;
   const Vec3 changed_N = tick.force_N - forces_of_samples_N_[then];
   if (has_steps()) learn_span(tick);
-  observe(tick, tick.p_device_m - before_m, since);
+  observe(tick, tick.p_device_m - positions_m_[before], since);
   soften(tick);
   const double least_N =
       tick.stiffness_N_per_m *

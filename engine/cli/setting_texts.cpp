@@ -12,8 +12,14 @@
 namespace palpate {
 namespace {
 
-// Finite numbers separated by blanks or commas; no value if the text contains anything else.
+// Finite numbers separated by blanks or commas; no value if the text contains anything else, or a
+// comma that is not between two numbers.
 std::optional<std::vector<double>> parse_numbers(const std::string& text) {
+  std::string dense = text;
+  std::erase_if(dense, [](char c) { return c == ' ' || c == '\t' || c == '\n'; });
+  if (dense.starts_with(',') || dense.ends_with(',') || dense.find(",,") != std::string::npos) {
+    return std::nullopt;
+  }
   std::string blanks = text;
   for (char& c : blanks) {
     if (c == ',') c = ' ';

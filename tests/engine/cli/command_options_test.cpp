@@ -236,6 +236,7 @@ TEST_F(CommandLine, RefusesNumbersOutOfRange) {
   expect_refused(replay({"--repeat", "0"}), {"--repeat"});
   expect_refused(replay({"--sensors", "2.5"}), {"--sensors"});
   expect_refused(replay({"--place", "0 0 0"}), {"--place"});
+  expect_refused(replay({"--place", "0 0 0,, 1 0 0 0"}), {"--place"});
   expect_refused(replay({"--place", "0 0 0 0 0 0 0"}), {"--place"});
   expect_refused(replay({"--place", "0 0 0 1 1 0 0"}), {"--place"});
   expect_refused(replay({"--place", "nan 0 0 1 0 0 0"}), {"--place"});

@@ -495,6 +495,8 @@ TEST_F(DeviceRunProgram, RefusesBadOptionsInOneLine) {
             "\"motor=1\", whose source is none of motors, nodes, vibration, restitution, magnet, "
             "gravity, other; expected SOURCE=MJ"},
            {{"--device", port, "--energy-budget", "motors=1,2,3"}, "--energy-budget: is \"motors"},
+           {{"--device", port, "--energy-budget", "motors=1,"}, "--energy-budget: is \"motors"},
+           {{"--device", port, "--energy-budget", "motors=,1"}, "--energy-budget: is \"motors"},
            {{"--device", port, "--energy-budget", "motors=1001"}, "--energy-budget: is \"motors"},
            {{"--device", port, "--energy-budget", "motors=1,1.1"}, "--energy-budget: is \"motors"},
            {{"--device", port, "--energy-budget", "motors=-1"}, "--energy-budget: is \"motors"},
