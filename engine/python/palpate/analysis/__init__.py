@@ -1,0 +1,1 @@
+"""Analysis in Python: tables, statistics, figures and pages."""
