@@ -280,6 +280,12 @@ def test_sums_of_squares_add_up_to_the_total():
     np.testing.assert_allclose(found, total, rtol=1e-9)
 
 
+def test_paired_t_of_equal_means_is_0_without_rounding_noise():
+    a = [0.1 + 0.2, 1.0, 2.0]
+    assert st.paired_t(a, [0.3, 1.0, 2.0]).difference == 0.0
+    assert st.paired_t([1.3, 0.7, 1.1], [0.7, 1.1, 1.3]).t == 0.0
+
+
 # One factor of two levels: F is the square of the paired t.
 def test_repeated_measures_of_two_levels_are_the_paired_t():
     table = random(18003).standard_normal((9, 2))
