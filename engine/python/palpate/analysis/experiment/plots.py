@@ -4,6 +4,7 @@ means of participants (Primary.means)."""
 from __future__ import annotations
 
 import textwrap
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -68,9 +69,8 @@ def angle_by_rotation(means: pd.DataFrame, whose: str, label: str) -> Figure:
     figure, axes = new_figure(WIDTH, HEIGHT)
     halves = means["half_width"].fillna(0.0)
     places = range(len(means))
-    axes.errorbar(
-        list(places), means["mean"], yerr=halves, fmt=f"-{MARKERS[0]}", color=COLOURS[0], label=label
-    )
+    style = {"fmt": f"-{MARKERS[0]}", "color": COLOURS[0], "label": label}
+    axes.errorbar(list(places), means["mean"], yerr=halves, **style)
     papers = [MEANS[ANGLE, level] for level in means["Rotation"]]
     _put_paper(
         axes,
@@ -86,7 +86,9 @@ def angle_by_rotation(means: pd.DataFrame, whose: str, label: str) -> Figure:
     return figure
 
 
-def _put_paper(axes, points, label, spread=None):  # type: ignore[no-untyped-def]
+def _put_paper(
+    axes: Any, points: list[tuple[int, float]], label: str, spread: list[float] | None = None
+) -> None:
     axes.errorbar(
         [place + PAPER_DODGE for place, _ in points],
         [mean for _, mean in points],
@@ -99,7 +101,7 @@ def _put_paper(axes, points, label, spread=None):  # type: ignore[no-untyped-def
     )
 
 
-def _frame(axes, ticks, low, high):  # type: ignore[no-untyped-def]
+def _frame(axes: Any, ticks: list[str], low: float, high: float) -> None:
     margin = MARGIN * ((high - low) or max(abs(high), 1.0))
     from_zero = low >= 0.0 and low - margin < NEAR_ZERO * high
     axes.set_ylim(0.0 if from_zero else low - margin, high + margin)
@@ -108,7 +110,7 @@ def _frame(axes, ticks, low, high):  # type: ignore[no-untyped-def]
     axes.grid(False, axis="x")
 
 
-def _name(axes, outcome, across, title, n):  # type: ignore[no-untyped-def]
+def _name(axes: Any, outcome: Outcome, across: str, title: str, n: int) -> None:
     axes.set_xlabel(across)
     axes.set_ylabel(with_unit(outcome.name, outcome.unit))
     title = textwrap.fill(title[0].upper() + title[1:], MOST_LETTERS)

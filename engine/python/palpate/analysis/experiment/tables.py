@@ -143,7 +143,7 @@ def trial_means(experiment: Experiment, outcome: Outcome) -> pd.DataFrame:
     grid = experiment.grid(outcome)
     rows = []
     for levels in levels_of_means(experiment):
-        at = [
+        at: list[Any] = [
             experiment.levels[factor].index(levels[factor]) if factor in levels else slice(None)
             for factor in CONDITION
         ]
