@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The report of an experiment, in a browser.
 
-report_browser_test.py people|simulated --make PROGRAM ARGUMENT...
+experiment_browser_test.py people|simulated --make PROGRAM ARGUMENT...
                                          PROGRAM ARGUMENT... FOLDER writes FOLDER/report.html
-report_browser_test.py people|simulated REPORT.html
+experiment_browser_test.py people|simulated REPORT.html
 
 Opens the page in headless Chromium; its console must stay empty. Then measures the page in frames as
 wide as a screen and as a phone, with all parts unfolded: the page is no wider than the frame and
