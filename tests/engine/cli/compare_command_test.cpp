@@ -51,7 +51,8 @@ class CompareCommandTest : public testing::Test {
   // The means of a document, by measure and strategy, with nine digits.
   static std::map<std::string, std::string> means_in(const std::string& json) {
     std::map<std::string, std::string> means;
-    for (const Json& row : Json::parse(json)["means"]) {
+    const Json parsed = Json::parse(json);
+    for (const Json& row : parsed["means"]) {
       std::string key;
       for (const char* const name :
            {"following", "scene", "measure", "column", "unit", "better", "strategy", "role"}) {
