@@ -198,7 +198,7 @@ def test_fisher_plsd_of_plant_growth_equals_r():
     data = data_set("plant_growth.csv")
     found = fit(data, ["group"], ["weight"])
     assert found.effect(("group",)).f == equal(4.84608786238, 0.5e-11)
-    means = data.groupby("group", sort=False)["weight"].agg(["mean", "size"])
+    means = data.groupby("group", sort=False, observed=True)["weight"].agg(["mean", "size"])
     pairs = st.fisher_plsd(
         means["mean"], means["size"], found.mean_square_error(), found.error_df
     )
@@ -278,6 +278,12 @@ def test_sums_of_squares_add_up_to_the_total():
     total = np.square(table - table.mean(axis=(1, 2), keepdims=True)).sum(axis=(1, 2))
     found = result.participants_ss + sum(e.ss + e.error_ss for e in result.effects)
     np.testing.assert_allclose(found, total, rtol=1e-9)
+
+
+def test_paired_t_of_equal_means_is_0_without_rounding_noise():
+    a = [0.1 + 0.2, 1.0, 2.0]
+    assert st.paired_t(a, [0.3, 1.0, 2.0]).difference == 0.0
+    assert st.paired_t([1.3, 0.7, 1.1], [0.7, 1.1, 1.3]).t == 0.0
 
 
 # One factor of two levels: F is the square of the paired t.
