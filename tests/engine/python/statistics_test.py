@@ -106,7 +106,7 @@ def test_rao_intervals_hold_the_papers_f(effect, df, lambda_, low, high, f, df2)
 
 def test_wilks_of_one_response_is_its_f():
     found = fit(data_set("warpbreaks.csv"), ["wool", "tension"], ["breaks"])
-    for term in found.term_df:
+    for term in found.term_parts:
         assert found.wilks(term).f == equal(found.effect(term).f)
 
 
@@ -148,7 +148,7 @@ def test_factorial_model_of_unbalanced_warpbreaks_is_type_three():
     data = data_set("warpbreaks.csv").drop([0, 1, 29])
     found = fit(data, ["wool", "tension"], ["breaks"])
     fs = [6.166046801923, 11.065533657595, 6.157905462486]
-    for term, f in zip(found.term_df, fs):
+    for term, f in zip(found.term_parts, fs):
         assert found.effect(term).f == equal(f, 0.5e-12)
     assert found.error_df == 45
     assert found.error_sscp[0, 0] == equal(5031.636904762, 0.5e-9)
@@ -171,9 +171,9 @@ def test_term_is_the_difference_to_the_model_without_it():
         found = st.Design(pd.DataFrame({"a": a, "b": b}), ["a", "b"]).fit(y[:, None])
         error = residual_ss(x, y)
         assert found.error_sscp[0, 0] == equal(error)
-        for column, term in enumerate(found.term_df, start=1):
+        for column, term in enumerate(found.term_parts, start=1):
             without = residual_ss(np.delete(x, column, axis=1), y)
-            assert found.term_sscp[term][0, 0] == pytest.approx(
+            assert found.term_sscp(term)[0, 0] == pytest.approx(
                 without - error, rel=0.0, abs=1e-10 * error
             )
 
@@ -278,6 +278,12 @@ def test_sums_of_squares_add_up_to_the_total():
     total = np.square(table - table.mean(axis=(1, 2), keepdims=True)).sum(axis=(1, 2))
     found = result.participants_ss + sum(e.ss + e.error_ss for e in result.effects)
     np.testing.assert_allclose(found, total, rtol=1e-9)
+
+
+def test_paired_t_of_equal_means_is_0_without_rounding_noise():
+    a = [0.1 + 0.2, 1.0, 2.0]
+    assert st.paired_t(a, [0.3, 1.0, 2.0]).difference == 0.0
+    assert st.paired_t([1.3, 0.7, 1.1], [0.7, 1.1, 1.3]).t == 0.0
 
 
 # One factor of two levels: F is the square of the paired t.

@@ -32,10 +32,11 @@ def paired_t(a: ArrayLike, b: ArrayLike) -> PairedT:
     n = both.shape[1]
     if n == 0:
         return PairedT(0, *[np.nan] * 5)
+    rounding = (n + 2.0) * EPSILON * np.abs(both).max()  # a deviation rounds n + 2 times
     differences = both[0] - both[1]
     mean = float(differences.mean())
+    mean = mean if abs(mean) > rounding else 0.0
     squares = float(np.square(differences - mean).sum())
-    rounding = (n + 2.0) * EPSILON * np.abs(both).max()  # a deviation rounds n + 2 times
     if n < 2 or not squares > n * rounding**2:
         return PairedT(n, mean, np.nan, n - 1.0, np.nan, np.nan)
     error = np.sqrt(squares / (n - 1.0) / n)

@@ -6,7 +6,7 @@ model without the term. On balanced data they are the usual sums of squares.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
@@ -59,54 +59,64 @@ def rao(wilks_lambda: Any, responses: int, effect_df: int, error_df: int) -> Wil
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model of r responses: sums of squares and cross products of each term (H) and of
-    the error (E), each (..., r, r)."""
+    """A fitted model of r responses. What the model leaves, residuals (..., rows, r), and what each
+    term adds to all others, term_parts (..., df, r): the sums of squares and cross products of
+    these are the matrices E and H."""
 
-    rows: int
-    term_df: dict[Term, int]
-    term_sscp: dict[Term, Array]
+    residuals: Array
+    term_parts: dict[Term, Array]
     error_df: int
-    error_sscp: Array
     rounding_ss: Array  # (..., r): a sum of squares up to this is rounding
+
+    @cached_property
+    def error_sscp(self) -> Array:
+        return _sscp(self.residuals)
+
+    def term_sscp(self, term: Term) -> Array:
+        return _sscp(self.term_parts[term])
+
+    @cached_property
+    def _error_root(self) -> Array:
+        """R with R^T R = E. Products of residuals would lose half of the digits of nearly collinear
+        responses."""
+        return np.asarray(np.linalg.qr(self.residuals, mode="r"))
 
     def mean_square_error(self, response: int = 0) -> Any:
         return self.error_sscp[..., response, response] / self.error_df
 
     def effect(self, term: Term, response: int = 0) -> FixedEffect:
-        df1, df2 = float(self.term_df[term]), float(self.error_df)
+        parts = self.term_parts[term]
+        df1, df2 = float(parts.shape[-2]), float(self.error_df)
         rounding = self.rounding_ss[..., response]
-        error, ss = [
-            np.where(sscp[..., response, response] > rounding, sscp[..., response, response], least)
-            for sscp, least in ((self.error_sscp, np.nan), (self.term_sscp[term], 0.0))
-        ]
+        error = self.error_sscp[..., response, response]
+        error = np.where(error > rounding, error, np.nan)
+        ss = np.square(parts[..., response]).sum(axis=-1)
+        ss = np.where(ss > rounding, ss, 0.0)
         f = (ss / df1 / (error / df2))[()]
         return FixedEffect(f, df1, df2, f_tail(f, df1, df2), f * df1 / (f * df1 + df2))
 
     def wilks(self, term: Term) -> Wilks:
         """Requires singular_response() to be None."""
-        _, error = np.linalg.slogdet(self.error_sscp)
-        _, both = np.linalg.slogdet(self.error_sscp + self.term_sscp[term])
-        responses = self.error_sscp.shape[-1]
-        ratio = np.exp(np.minimum(error - both, 0.0))
-        return rao(ratio, responses, self.term_df[term], self.error_df)
+        parts = self.term_parts[term]
+        both = np.linalg.qr(np.concatenate([self._error_root, parts], axis=-2), mode="r")
+        ratios = _diagonal(self._error_root) / _diagonal(both)
+        ratio = np.minimum(np.square(np.prod(ratios, axis=-1)), 1.0)
+        return rao(ratio, parts.shape[-1], parts.shape[-2], self.error_df)
 
     def singular_response(self) -> int | None:
         """The first response that is constant within the cells of the design, or a linear
         combination of the responses before it, to within rounding; not of a stack."""
-        e = self.error_sscp
-        constant = np.flatnonzero(~(np.diagonal(e) > self.rounding_ss))
+        rows, responses = self.residuals.shape
+        root = self._error_root
+        ss = np.square(root).sum(axis=0)
+        constant = np.flatnonzero(~(ss > self.rounding_ss))
         if constant.size:
             return int(constant[0])
-        # Of correlations, 1 - explained is the share of a response's variance that the responses
-        # before it do not explain. Sums of `rows` products round that often.
-        scale = 1.0 / np.sqrt(np.diagonal(e))
-        r = e * np.outer(scale, scale)
-        rounding = self.rows * len(e) * EPSILON
-        for i in range(1, len(e)):
-            explained = r[i, :i] @ np.linalg.solve(r[:i, :i], r[:i, i])
-            if not 1.0 - explained > rounding:
-                return i
-        return None
+        # The share of a response's variance that the responses before it do not explain. Sums of
+        # `rows` products round that often.
+        unexplained = np.square(np.diagonal(root)) / ss
+        combined = np.flatnonzero(~(unexplained > rows * responses * EPSILON))
+        return int(combined[0]) if combined.size else None
 
 
 class Design:
@@ -150,11 +160,9 @@ class Design:
         # A residual is a sum of `parameters` products with sums of `rows` terms.
         rounding = (rows + parameters) * EPSILON * np.abs(values).max(axis=-2)
         return Fit(
-            rows,
-            {term: basis.shape[1] for term, basis in self._bases.items()},
-            {term: _sscp(basis.T @ y) for term, basis in self._bases.items()},
+            residuals,
+            {term: basis.T @ y for term, basis in self._bases.items()},
             rows - parameters,
-            _sscp(residuals),
             rows * np.square(rounding),
         )
 
@@ -174,3 +182,7 @@ def _products(a: Array, b: Array) -> Array:
 
 def _sscp(parts: Array) -> Array:
     return np.asarray(np.swapaxes(parts, -2, -1) @ parts)
+
+
+def _diagonal(root: Any) -> Array:
+    return np.abs(np.diagonal(root, axis1=-2, axis2=-1))

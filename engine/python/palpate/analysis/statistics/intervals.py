@@ -25,6 +25,7 @@ def cousineau_morey(table: ArrayLike) -> Array:
     n, k = values.shape[-2:]
     if n < 2 or k < 2:
         return np.full(values.shape[:-2] + (k,), np.nan)
+    values = values - values.mean(axis=(-2, -1), keepdims=True)  # rounds less
     normalised = values - values.mean(axis=-1, keepdims=True)
     sd: Array = normalised.std(axis=-2, ddof=1)
     return np.asarray(t_for_coverage(n - 1.0) * sd * np.sqrt(k / (k - 1.0) / n))
