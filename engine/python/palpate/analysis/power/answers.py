@@ -55,12 +55,13 @@ class Answers:
     @property
     def example(self) -> int:
         """The number of people whose power is stated: the paper's, or the largest simulated."""
-        return min(paper.PARTICIPANTS, self.most)
+        return min(paper.PARTICIPANTS, int(self.most))
 
     @cached_property
     def by_noise(self) -> list[int]:
         """The models by ascending noise."""
-        return np.argsort(self.study.assumptions["noise"].to_numpy(), kind="stable").tolist()
+        order = self.study.assumptions["noise"].to_numpy().argsort(kind="stable")
+        return [int(model) for model in order]
 
     @cached_property
     def has_one_noise(self) -> bool:

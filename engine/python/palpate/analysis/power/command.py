@@ -41,6 +41,7 @@ def run(arguments: argparse.Namespace) -> Report:
     files = {
         "report.html": page_of(answers, sentences),
         "power.json": json_text(answers.as_json(sentences)),
-        **{name: csv_text(list(table), table.to_numpy().tolist()) for name, table in tables.items()},
     }
+    for name, table in tables.items():
+        files[name] = csv_text(list(table), table.to_numpy().tolist())
     return Report(files, terminal_text(answers, sentences))

@@ -22,8 +22,8 @@ _SAME_NOISE = 1e-6
 
 @dataclass(frozen=True)
 class Panel:
-    """table: one row for each curve and number of people, with label, colour (0, 1, ...), is_dashed,
-    participants, power, low and high (the 95 % interval)."""
+    """table: one row for each curve and number of people, with label, colour (0, 1, ...),
+    is_dashed, participants, power, low and high (the 95 % interval)."""
 
     title: str
     table: pd.DataFrame

@@ -26,8 +26,8 @@ def notes(study: Study) -> list[str]:
     if study.pilot:
         found += _about_units(study, study.pilot)
     if study.measure.not_normal:
-        found.append(f"The model is normal, and the measure is {study.measure.not_normal}. Take the "
-                     "numbers of people as approximate.")
+        found.append(f"The model is normal, and the measure is {study.measure.not_normal}. Take "
+                     "the numbers of people as approximate.")
     found += _about_effects(study)
     found += _about_pilot(study, study.pilot) if study.pilot else _about_error(study)
     return [*found, *_about_model(study)]
@@ -54,8 +54,8 @@ def _about_effects(study: Study) -> Iterator[str]:
                f"other levels of Haptic. {rounded}{_rounded(outcome, 'R', 'NoR')}.")
         return
     rounded += f"{_rounded(outcome, 'H', 'NoH')}, and {_rounded(outcome, 'R', 'NoR')}."
-    yield ("The effects are the paper's means at the levels of Haptic and of Rotation. It states no "
-           "means of their combinations: that the two add up, without an interaction, is an "
+    yield ("The effects are the paper's means at the levels of Haptic and of Rotation. It states "
+           "no means of their combinations: that the two add up, without an interaction, is an "
            f"assumption. {rounded}")
     if not F[outcome, ("Haptic", "Rotation")][1]:
         yield "The paper found an interaction in this measure, which these effects lack."
@@ -75,8 +75,8 @@ def _rounded(outcome: Outcome, level: str, other: str) -> str:
 def _about_error(study: Study) -> Iterator[str]:
     request = study.request
     if request.error is None and study.measure.outcome is ANGLE:
-        yield ("The scatter is that of the paper's paired difference, which fixes w and the mean of "
-               "12 e together: with 12 trials in a condition, the shares make no "
+        yield ("The scatter is that of the paper's paired difference, which fixes w and the mean "
+               "of 12 e together: with 12 trials in a condition, the shares make no "
                "difference.")
     elif request.error is None:
         yield ("The error of one trial is that of the paper's own model, from its F and its means, "
@@ -84,8 +84,8 @@ def _about_error(study: Study) -> Iterator[str]:
                "each.")
         yield from _about_incompatible_errors(study)
     if request.share_u is None or request.share_w is None:
-        yield ("The shares that are not given run from 0.1 to 0.8 in steps of 0.1, with at least 0.1 "
-               "for e. They are assumptions; a pilot measures them.")
+        yield ("The shares that are not given run from 0.1 to 0.8 in steps of 0.1, with at least "
+               "0.1 for e. They are assumptions; a pilot measures them.")
 
 
 def _about_incompatible_errors(study: Study) -> Iterator[str]:
@@ -96,8 +96,8 @@ def _about_incompatible_errors(study: Study) -> Iterator[str]:
                 yield (
                     f"The error {number_or_dash(one.sd)}{study.unit} from the F of {one.source} is "
                     f"incompatible with the F of {other.source}: the rounding of its means allows "
-                    f"{number_or_dash(other.low)} to {number_or_dash(other.high)}{study.unit}. The F "
-                    f"of {one.source} allows {number_or_dash(one.low)} to "
+                    f"{number_or_dash(other.low)} to {number_or_dash(other.high)}{study.unit}. The "
+                    f"F of {one.source} allows {number_or_dash(one.low)} to "
                     f"{number_or_dash(one.high)}{study.unit}; both F have the same error."
                 )
 
@@ -105,16 +105,17 @@ def _about_incompatible_errors(study: Study) -> Iterator[str]:
 def _about_pilot(study: Study, pilot: Pilot) -> Iterator[str]:
     m, trials = number_or_dash(pilot.m), study.trials
     if pilot.m != trials and study.request.trials is not None:
-        yield (f"The pilot has m = {m} trials of a person in a condition, and --trials is {trials}: "
-               f"the variance of e is divided by {trials}.")
+        yield (f"The pilot has m = {m} trials of a person in a condition, and --trials is "
+               f"{trials}: the variance of e is divided by {trials}.")
     elif pilot.m != trials:
         yield (f"The pilot's m is {m} trials of a person in a condition, an effective number; "
                f"{trials} are used.")
     yield from _about_fit(pilot)
     df = pilot.df["pc"]
     yield ("A mean square of the pilot with d degrees of freedom has a relative standard error of "
-           f"sqrt(2 / d): MS_pc has {df}, which gives {with_decimals(100.0 * np.sqrt(2.0 / df), 0)} "
-           "%. The power inherits this error, which its interval does not show.")
+           f"sqrt(2 / d): MS_pc has {df}, which gives "
+           f"{with_decimals(100.0 * np.sqrt(2.0 / df), 0)} %. "
+           "The power inherits this error, which its interval does not show.")
     for name in ("u", "w"):
         if pilot.raw[name] < 0.0:
             yield (f"The pilot's estimate of the variance of {name} is "
@@ -124,8 +125,8 @@ def _about_pilot(study: Study, pilot: Pilot) -> Iterator[str]:
                f"{', '.join(pilot.left_out)}.")
     if pilot.missing:
         yield (f"{pilot.missing} of {pilot.missing + pilot.trials} trials of the pilot are missing "
-               "(timeouts, faults, absent). The estimates hold if they are missing at random; a long "
-               "trial that ran into the time limit is not.")
+               "(timeouts, faults, absent). The estimates hold if they are missing at random; a "
+               "long trial that ran into the time limit is not.")
 
 
 def _about_fit(pilot: Pilot) -> Iterator[str]:
@@ -135,24 +136,24 @@ def _about_fit(pilot: Pilot) -> Iterator[str]:
     pc, e = pilot.mean_squares["pc"], pilot.mean_squares["e"]
     yield (f"The noise of the model, MS_e / m = {number_or_dash(e / pilot.m)}, is larger than what "
            f"was observed, MS_pc / m = {number_or_dash(pc / pilot.m)}, by the factor "
-           f"{number_or_dash(e / pc if pc else np.inf)}. Numbers of people grow about in proportion "
-           "to the noise.")
+           f"{number_or_dash(e / pc if pc else np.inf)}. Numbers of people grow about in "
+           "proportion to the noise.")
     if pilot.is_too_low:
         yield (f"The model does not fit this pilot: F = MS_pc / MS_e = {number_or_dash(pilot.f)} "
-               f"with {pilot.df['pc']} and {pilot.df['e']} degrees of freedom is significantly below "
-               f"1 ({p_text(pilot.p_below)}). It has no term for how a person differs in one object, "
-               "in all conditions alike. Such scatter stays in MS_e and cancels in the tests, so "
-               "that the numbers of people are too large.")
+               f"with {pilot.df['pc']} and {pilot.df['e']} degrees of freedom is significantly "
+               f"below 1 ({p_text(pilot.p_below)}). It has no term for how a person differs in one "
+               "object, in all conditions alike. Such scatter stays in MS_e and cancels in the "
+               "tests, so that the numbers of people are too large.")
 
 
 def _about_model(study: Study) -> Iterator[str]:
-    yield ("u, how people differ in all conditions alike, cancels in every test; what counts is the "
-           "variance of w plus that of e divided by the trials in a condition.")
+    yield ("u, how people differ in all conditions alike, cancels in every test; what counts is "
+           "the variance of w plus that of e divided by the trials in a condition.")
     sphericity = (" Sphericity therefore holds in the model, and what the correction of Greenhouse "
                   "and Geisser really costs, where it does not hold, is not shown.")
     yield ("w and e are independent and scatter equally in all conditions."
            + (sphericity if len(study.means) > 2 else ""))
     pilot = study.pilot
     as_there = ", as in the pilot" if pilot and (pilot.missing or pilot.left_out) else ""
-    yield ("A number of people counts people with completed trials in every condition. If trials or "
-           f"people will be missing{as_there}, more people are needed.")
+    yield ("A number of people counts people with completed trials in every condition. If trials "
+           f"or people will be missing{as_there}, more people are needed.")

@@ -46,7 +46,8 @@ def trial_scatter(outcome: Outcome) -> list[Scatter]:
     """The standard deviation of one trial in the paper's own model, which treats all trials as
     independent: the root of its mean square of the error, from the F of Haptic and from that of
     Rotation, ascending. It holds u, w and e. Of the time, the losses and the penetration."""
-    found = [_trial_scatter(outcome, "Haptic", HAPTIC), _trial_scatter(outcome, "Rotation", ROTATION)]
+    levels = {"Haptic": HAPTIC, "Rotation": ROTATION}
+    found = [_trial_scatter(outcome, factor, names) for factor, names in levels.items()]
     return sorted(found, key=lambda scatter: scatter.sd)
 
 
@@ -94,9 +95,9 @@ def angle_scatter() -> Scatter:
 
 
 def condition_means(outcome: Outcome) -> Array:
-    """Of the conditions in which the measure is tested. Of the time, the losses and the penetration,
-    the paper states the means at the levels of Haptic and of Rotation only; this sum of both, less
-    their mean, assumes that there is no interaction."""
+    """Of the conditions in which the measure is tested. Of the time, the losses and the
+    penetration, the paper states the means at the levels of Haptic and of Rotation only; this sum
+    of both, less their mean, assumes that there is no interaction."""
     rotation = level_means(outcome, ROTATION)
     if outcome is ANGLE:
         return rotation

@@ -46,7 +46,7 @@ class Pilot:
     Missing trials: within a condition, the means of people are adjusted for the objects and blocks
     that they lack (least squares), and m is the number of trials that would give the adjusted means
     their mean variance. With it the estimates are unbiased, if trials are missing at random.
-    Without missing trials m is exactly their number, and all this is the usual analysis of variance.
+    Without missing trials m is exactly their number, and this is the usual analysis of variance.
 
     The model has no term for how a person differs in one object, in all conditions alike. Such
     scatter stays in MS_e and cancels in MS_pc, so that w is estimated too low, and often below 0.
@@ -98,57 +98,64 @@ class Pilot:
         return pd.DataFrame({"pilot": observed, "model": model}, index=[p.name for p in pairs])
 
 
-def read_pilot(path: str, following: str, design: Design) -> Experiment:
-    """The trials of one following in a file, beside practice and trials at other levels of Haptic
-    than those of the design. following: as in the file, `people` for rows without a following, or
-    empty if the file has one kind only.
+def read_pilot(path: str, following: str, outcome: Outcome, design: Design) -> Pilot:
+    """The estimates from the trials of one following in a file. following: as in the file, `people`
+    for rows without a following, or empty if the file has one kind only.
 
-    Raises InputError as read_trials() and experiments_of() do; for trials with a strategy, several
-    followings, a following that is not there, and several variants.
+    Raises InputError as read_trials(), experiment_of() and estimate() do.
     """
     frame = read_trials(path)
+    try:
+        return estimate(experiment_of(frame, following, design), outcome, design)
+    except InputError as error:
+        if error.element == "--following":
+            error.hint = f"these are in {printable(path)}"
+        else:
+            error.path = path
+        raise
+
+
+def experiment_of(frame: pd.DataFrame, following: str, design: Design) -> Experiment:
+    """The trials of one following, beside practice and trials at other levels of Haptic than those
+    of the design.
+
+    Raises InputError as experiments_of() does, and for trials with a strategy, several followings,
+    a following that is not there, and several variants.
+    """
     with_strategy = frame[frame["strategy"] != ""]
     if len(with_strategy):
         row = with_strategy.iloc[0]
-        raise InputError(
-            path,
-            "column strategy",
-            f"is {row['strategy']} in a trial of participant {printable(row['participant'])}; "
-            "expected trials with haptic and rotation",
-            "use the trials of `experiment run` or of people",
-        )
-    frame = _of_following(frame, following, path)
+        raise InputError("", "column strategy", f"is {row['strategy']} in a trial of participant "
+                         f"{printable(row['participant'])}; expected trials with haptic and "
+                         "rotation", "use the trials of `experiment run` or of people")
+    frame = _of_following(frame, following)
     frame = frame[frame["block"] > 0]
     if frame.empty:
-        raise InputError(path, "participant", "has 0 levels beside practice; expected two "
+        raise InputError("", "participant", "has 0 levels beside practice; expected two "
                          "participants or more", "the analysis is about differences between "
                          "participants")
     frame = frame[frame["haptic"].isin(design.haptic)]
     if frame.empty:
-        raise InputError(path, "column haptic", f"has no trial of {listed(list(design.haptic))} "
+        raise InputError("", "column haptic", f"has no trial of {listed(list(design.haptic))} "
                          f"beside practice; expected trials of {len(design.conditions)} conditions",
                          "the measure needs them; choose another one with --measure")
-    _check_one_variant(frame, path)
-    try:
-        return experiments_of(frame, _ANY_LIMIT_S)[0]
-    except InputError as error:
-        error.path = path
-        raise
+    _check_one_variant(frame)
+    return experiments_of(frame, _ANY_LIMIT_S)[0]
 
 
-def _of_following(frame: pd.DataFrame, following: str, path: str) -> pd.DataFrame:
+def _of_following(frame: pd.DataFrame, following: str) -> pd.DataFrame:
     names = frame["following"].replace("", PEOPLE)
     kinds = sorted(set(names))
     if not following and len(kinds) > 1:
-        raise InputError(path, "column following", f"has trials of {len(kinds)} kinds; expected one "
-                         "kind", f"choose one with --following: {listed(kinds)}")
+        raise InputError("", "column following", f"has trials of {len(kinds)} kinds; expected "
+                         "one kind", f"choose one with --following: {listed(kinds)}")
     if following and following not in kinds:
         raise InputError("", "--following", f'is "{printable(following)}"; expected '
-                         f"{listed(kinds)}", f"these are in {printable(path)}")
+                         f"{listed(kinds)}")
     return frame[names == following] if following else frame
 
 
-def _check_one_variant(frame: pd.DataFrame, path: str) -> None:
+def _check_one_variant(frame: pd.DataFrame) -> None:
     """Each variant is an experiment of its own."""
     columns = ["view", "align", "scale", "start_orientation_deg"]  # of Variant, in this order
     assert set(columns) == set(Variant._fields)
@@ -157,18 +164,18 @@ def _check_one_variant(frame: pd.DataFrame, path: str) -> None:
     if other.empty:
         return
     column = columns[int(np.argmax(other.iloc[0].to_numpy()))]
-    raise InputError(path, f"column {column}", "has several levels; expected trials of one "
+    raise InputError("", f"column {column}", "has several levels; expected trials of one "
                      "experiment", "keep the rows of one level in a file of their own")
 
 
-def estimate(experiment: Experiment, outcome: Outcome, design: Design, path: str) -> Pilot:
+def estimate(experiment: Experiment, outcome: Outcome, design: Design) -> Pilot:
     """The estimates from an experiment with the levels of Haptic of the design, at most.
 
     Raises InputError: fewer than two people with all conditions, a condition that is not there, no
     trials from which e can be estimated, objects and blocks that no people have in common, a value
     beyond MOST_VALUE, a measure that does not vary.
     """
-    trials = _trials(experiment, outcome, design, path)
+    trials = _trials(experiment, outcome, design)
     pilot = Pilot()
     has_all = ~np.isnan(trials).all(axis=2)
     for name, has in zip(map(printable, experiment.participants), has_all):
@@ -179,52 +186,52 @@ def estimate(experiment: Experiment, outcome: Outcome, design: Design, path: str
     if pilot.participants < 2:
         first = design.conditions[int(np.argmin(has_all[int(np.argmin(complete))]))]
         people = "participant" if pilot.participants == 1 else "participants"
-        raise InputError(path, "column participant", f"has {pilot.participants} {people} with a "
+        raise InputError("", "column participant", f"has {pilot.participants} {people} with a "
                          f"completed trial in each of {len(design.conditions)} conditions "
                          f"({pilot.left_out[0]} lacks {first}); expected two or more",
                          f"add their trials, or {_WITHOUT} without a pilot")
     names = [n for n, is_in in zip(experiment.participants, complete) if is_in]
-    fits = [_fit_condition(_checked(trials[complete, c], name, names, outcome, path))
+    fits = [_fit_condition(_checked(trials[complete, c], name, names, outcome))
             for c, name in enumerate(design.conditions)]
     pilot.missing = int(np.isnan(trials[complete]).sum())
     pilot.trials = trials[complete].size - pilot.missing
-    _put_mean_squares(pilot, fits, outcome, path)
+    _put_mean_squares(pilot, fits, outcome)
     ms = pilot.mean_squares
     pilot.raw = {"u": (ms["p"] - ms["pc"]) / (len(fits) * pilot.m),
                  "w": (ms["pc"] - ms["e"]) / pilot.m, "e": ms["e"]}
     return pilot
 
 
-def _trials(experiment: Experiment, outcome: Outcome, design: Design, path: str) -> Array:
+def _trials(experiment: Experiment, outcome: Outcome, design: Design) -> Array:
     """(people, conditions, objects and blocks); NaN: no trial."""
     for factor, names in (("Haptic", design.haptic), ("Rotation", design.rotation)):
         for name in names:
             if name not in experiment.levels[factor]:
-                raise InputError(path, f"column {factor.lower()}", f"has no trial of {name} beside "
-                                 f"practice; expected trials of {len(design.conditions)} conditions",
-                                 f"without such a pilot, {_WITHOUT}")
+                problem = (f"has no trial of {name} beside practice; expected trials of "
+                           f"{len(design.conditions)} conditions")
+                hint = f"without such a pilot, {_WITHOUT}"
+                raise InputError("", f"column {factor.lower()}", problem, hint)
     if not experiment.has(outcome):
-        raise InputError(path, f"column {outcome.column}", "has no value in a completed trial; "
+        raise InputError("", f"column {outcome.column}", "has no value in a completed trial; "
                          "expected the measure of --measure", "choose another measure")
     grid = experiment.grid(outcome)
     return grid.reshape(len(grid), len(design.conditions), -1)
 
 
-def _checked(
-    trials: Array, condition: str, names: list[str], outcome: Outcome, path: str
-) -> Array:
+def _checked(trials: Array, condition: str, names: list[str], outcome: Outcome) -> Array:
     """The trials of a condition, (people, objects and blocks), without objects and blocks that
     nobody did."""
     used = trials[:, ~np.isnan(trials).all(axis=0)]
     large = np.argwhere(np.abs(used) > MOST_VALUE)
     if len(large):
         person, item = large[0]
-        raise InputError(path, f"column {outcome.column}", f"is {number_or_dash(used[person, item])}"
-                         f" in a trial of participant {printable(names[person])}, which is too "
-                         "large; expected -1e9 to 1e9", "check the unit of the column")
+        value, name = number_or_dash(used[person, item]), printable(names[person])
+        raise InputError("", f"column {outcome.column}",
+                         f"is {value} in a trial of participant {name}, which is too large; "
+                         "expected -1e9 to 1e9", "check the unit of the column")
     has = (~np.isnan(used)).astype(float)
     if connected_components(has @ has.T, directed=False)[0] > 1:
-        raise InputError(path, f"condition {condition}", "has participants whose objects and blocks "
+        raise InputError("", f"condition {condition}", "has participants whose objects and blocks "
                          "no other participant has; expected the same objects and blocks for all",
                          "remove the trials that nobody else did")
     return used
@@ -261,22 +268,23 @@ def _fit_condition(trials: Array) -> _Fit:
     scatter = (1.0 / counts).sum() * (1.0 - 1.0 / n)
     scatter += (np.linalg.solve(s, centred.T) * centred.T).sum()
     m = items if has.all() else (n - 1.0) / scatter
-    return _Fit(means, float(np.square(residuals).sum()), int(has.sum()) - (n + items - 1), float(m))
+    df = int(has.sum()) - (n + items - 1)
+    return _Fit(means, float(np.square(residuals).sum()), df, float(m))
 
 
-def _put_mean_squares(pilot: Pilot, fits: list[_Fit], outcome: Outcome, path: str) -> None:
+def _put_mean_squares(pilot: Pilot, fits: list[_Fit], outcome: Outcome) -> None:
     cells = np.column_stack([fit.means for fit in fits])
     n, k = cells.shape
     df_e = sum(fit.df for fit in fits)
     if df_e == 0:
-        problem = f"have so few trials in common that the {pilot.trials} trials only fix the means " \
-                  "of participants, objects and blocks; expected two objects or blocks that the " \
-                  "same two participants did in one condition"
+        problem = f"have so few trials in common that the {pilot.trials} trials only fix the " \
+                  "means of participants, objects and blocks; expected two objects or blocks " \
+                  "that the same two participants did in one condition"
         if pilot.trials == n * k:
             problem = "have one trial of a participant in a condition; expected two or more, " \
                       "because the scatter of trials cannot be told from that of conditions " \
                       "otherwise"
-        raise InputError(path, "columns object and block", problem, f"{_WITHOUT} without a pilot")
+        raise InputError("", "columns object and block", problem, f"{_WITHOUT} without a pilot")
     of_m = np.array([fit.m for fit in fits])
     # The harmonic mean, without rounding if all conditions have the same m.
     pilot.m = float(of_m[0] if (of_m == of_m[0]).all() else k / (1.0 / of_m).sum())
@@ -292,6 +300,6 @@ def _put_mean_squares(pilot: Pilot, fits: list[_Fit], outcome: Outcome, path: st
     rounding = (pilot.trials * EPSILON * np.abs(cells).max()) ** 2
     ms = pilot.mean_squares
     if not (ms["e"] > rounding or ms["pc"] > pilot.m * rounding):
-        raise InputError(path, f"column {outcome.column}", "does not vary beside what all "
+        raise InputError("", f"column {outcome.column}", "does not vary beside what all "
                          "participants have in common; expected a measure with scatter",
                          "check the column")

@@ -18,7 +18,7 @@ from palpate.analysis.statistics.types import EPSILON, Array
 
 from . import paper
 from .contrasts import Contrast, Design, contrasts_of
-from .pilot import MOST_VALUE, Pilot, estimate, listed, read_pilot
+from .pilot import MOST_VALUE, Pilot, listed, read_pilot
 
 MOST_TRIALS = 1000
 # The default grid of both shares, in tenths. The sum of the two is at most nine tenths.
@@ -46,8 +46,9 @@ MEASURES = {
 @dataclass
 class Study:
     """assumptions: one row for each model, with error_from ("paper, F of Haptic"; "paper's paired
-    difference"; "--error"; "pilot"), error_sd (of one trial), share_u and share_w (of its variance),
-    the variances u, w and e, and noise: the variance of a person's mean in a condition, without u.
+    difference"; "--error"; "pilot"), error_sd (of one trial), share_u and share_w (of its
+    variance), the variances u, w and e, and noise: the variance of a person's mean in a condition,
+    without u.
     """
 
     request: argparse.Namespace
@@ -71,9 +72,10 @@ class Study:
 
 def prepare(request: argparse.Namespace) -> Study:
     """Raises InputError: an effect that is no number, is not finite or beyond MOST_VALUE, an
-    unknown, repeated or missing condition; shares with a sum above 1, or that leave no variance to w
-    and e; a pilot together with --error or a share; --following without a pilot; those of
-    read_pilot() and estimate(); means or shares so large that their rounding would hide the scatter.
+    unknown, repeated or missing condition; shares with a sum above 1, or that leave no variance to
+    w and e; a pilot together with --error or a share; --following without a pilot; those of
+    read_pilot(); means or shares so large that their rounding would hide the
+    scatter.
     """
     measure = MEASURES.get(request.measure)
     if measure is None:
@@ -132,8 +134,8 @@ def _shares(request: argparse.Namespace) -> list[tuple[float, float]]:
     shares = [(u, w) for w in (_GRID if given_w is None else [given_w])
               for u in (_GRID if given_u is None else [given_u]) if u + w <= most]
     if both and not shares:
-        raise InputError("", "--share-u", "and --share-w have a sum above 1; expected shares of one "
-                         "variance")
+        raise InputError("", "--share-u", "and --share-w have a sum above 1; expected shares of "
+                         "one variance")
     if not shares:
         option = "--share-u" if given_u is not None else "--share-w"
         raise InputError("", option, "leaves no room for the other share, from 0.1 on, and 0.1 for "
@@ -176,11 +178,10 @@ def _take_pilot(study: Study) -> None:
     request = study.request
     for option in ("error", "share_u", "share_w"):
         if getattr(request, option) is not None:
-            raise InputError("", f"--{option.replace('_', '-')}", "excludes --pilot; expected one of "
-                             "them", "the pilot gives all variances")
+            raise InputError("", f"--{option.replace('_', '-')}", "excludes --pilot; expected one "
+                             "of them", "the pilot gives all variances")
     design = study.measure.design
-    experiment = read_pilot(request.pilot, request.following, design)
-    pilot = estimate(experiment, study.measure.outcome, design, request.pilot)
+    pilot = read_pilot(request.pilot, request.following, study.measure.outcome, design)
     variances = pilot.variances
     total = sum(variances.values())
     row = {"error_from": "pilot", "error_sd": np.sqrt(total), "share_u": variances["u"] / total,
@@ -212,6 +213,6 @@ def _bad_scale(study: Study, sd: float, largest: float) -> InputError:
     path, element = "", "--error" if study.request.error is not None else "--effect"
     if study.pilot:
         path, element = study.request.pilot, f"column {study.measure.outcome.column}"
-    problem = (f"gives a standard deviation of {number_or_dash(sd)} of w and e beside means of up to "
-               f"{number_or_dash(largest)}; expected numbers of one scale")
+    problem = (f"gives a standard deviation of {number_or_dash(sd)} of w and e beside means of up "
+               f"to {number_or_dash(largest)}; expected numbers of one scale")
     return InputError(path, element, problem, "check the unit of the effects")

@@ -1,26 +1,28 @@
 """Power by simulation: how often the tests are significant with the first 2, 3, ... people.
 
-A trial is y = condition + u(person) + w(person, condition) + e(trial), all normal and independent. u
-cancels in every test, so that the power depends on the noise alone: the variance of a person's mean
-in a condition, var w + var e / trials. Each data set is drawn once, with the noise 1, and serves all
-models and all numbers of people: with a standard deviation s, only the true effects change, which
-become effect / s. A curve over the number of people is therefore smooth, its points are not
-independent, and each has the error of all data sets.
+A trial is y = condition + u(person) + w(person, condition) + e(trial), all normal and independent.
+u cancels in every test, so that the power depends on the noise alone: the variance of a person's
+mean in a condition, var w + var e / trials. Each data set is drawn once, with the noise 1, and
+serves all models and all numbers of people: with a standard deviation s, only the true effects
+change, which become effect / s. A curve over the number of people is therefore smooth, its points
+are not independent, and each has the error of all data sets.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from palpate.analysis.statistics import SIGNIFICANCE, f_for_tail, t_for_coverage
 from palpate.analysis.statistics.types import EPSILON, Array
 
 from .contrasts import GREENHOUSE_GEISSER, Contrast, together
+
+_chebyshev: Any = np.polynomial.chebyshev  # NumPy 1.24 has no types for it
 
 Counts = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -36,15 +38,15 @@ class EpsilonLimits:
     and epsilon (1/2 to 1): a Chebyshev series of its logarithm."""
 
     def __init__(self, people: Array) -> None:
-        nodes = chebyshev.chebpts1(_DEGREE + 1)
+        nodes = _chebyshev.chebpts1(_DEGREE + 1)
         df1 = 1.5 + 0.5 * nodes[:, None]
         logarithms = np.log(f_for_tail(SIGNIFICANCE, df1, df1 * (people - 1.0)))
-        self._series = chebyshev.chebfit(nodes, logarithms, _DEGREE)[:, :, None]
+        self._series = _chebyshev.chebfit(nodes, logarithms, _DEGREE)[:, :, None]
 
     def __call__(self, epsilon: Array) -> Array:
         """epsilon: (people, sets)."""
         place = np.clip(4.0 * epsilon - 3.0, -1.0, 1.0)  # rounding may leave 1/2 to 1
-        return np.asarray(np.exp(chebyshev.chebval(place, self._series, tensor=False)))
+        return np.asarray(np.exp(_chebyshev.chebval(place, self._series, tensor=False)))
 
 
 def draw(seed: int, block: int, people: int, conditions: int) -> Array:

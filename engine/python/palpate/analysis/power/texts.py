@@ -108,8 +108,8 @@ def _pilot(study: Study) -> str:
     pilot = study.pilot
     assert pilot is not None
     u, w, e = (number_or_dash(np.sqrt(pilot.variances[name])) for name in ("u", "w", "e"))
-    return (f"{printable(study.request.pilot)}: {pilot.participants} people, {pilot.trials} trials, "
-            f"m = {number_or_dash(pilot.m)}; sd of u {u}, of w {w}, of e {e}{study.unit}")
+    return (f"{printable(study.request.pilot)}: {pilot.participants} people, {pilot.trials} "
+            f"trials, m = {number_or_dash(pilot.m)}; sd of u {u}, of w {w}, of e {e}{study.unit}")
 
 
 def facts(answers: Answers) -> list[tuple[str, str]]:
@@ -162,5 +162,6 @@ def terminal_text(answers: Answers, notes: list[str]) -> str:
         unit = f",{study.unit}" if study.unit else ""
         pairs = [[f"sd of people's differences{unit}", "pilot",
                   f"model with m = {number_or_dash(study.pilot.m)}"]]
-        text += _table(pairs + [[f"  {first}", *rest] for first, *rest in pilot_pairs(study)]) + "\n"
+        pairs += [[f"  {first}", *rest] for first, *rest in pilot_pairs(study)]
+        text += _table(pairs) + "\n"
     return text + "".join(f"note: {note}\n" for note in notes)
