@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import pandas as pd
 from matplotlib.figure import Figure
 
-from palpate.analysis.figures import COLOURS, new_figure
+from palpate.analysis.figures import COLOURS, INK, new_figure
 
 from .answers import POWERS, Answers
 from .contrasts import together
 from .texts import assumption_text
 
 # Pixels. A panel is so narrow that its texts stay readable on a phone.
-_WIDTH, _HEIGHT, _LEGEND_ROW = 460, 300, 20
+_WIDTH, _HEIGHT, _LEGEND_ROW = 400, 270, 17
 # Noises that differ by less than this share have the same curve: far below the error of a million
 # data sets, 1e-3.
 _SAME_NOISE = 1e-6
@@ -88,7 +88,7 @@ def draw(panel: Panel) -> Figure:
     curves = list(panel.table.groupby("curve", sort=False))
     figure, axes = new_figure(_WIDTH, _HEIGHT + _LEGEND_ROW * len(curves))
     for power in POWERS:
-        axes.axhline(power, color="#808080", linewidth=1, linestyle=":")
+        axes.axhline(power, color=INK, linewidth=0.8, linestyle=":")
     for _, rows in curves:
         style = rows.iloc[0]
         colour = COLOURS[style["colour"]]
@@ -98,5 +98,5 @@ def draw(panel: Panel) -> Figure:
                   linestyle="--" if style["is_dashed"] else "-")
     axes.set(title=panel.title, xlabel="number of people", ylabel="power",
              xlim=(0, panel.table["participants"].max()), ylim=(0, 1.02))
-    axes.legend(loc="upper left", bbox_to_anchor=(-0.13, -0.2), borderaxespad=0)
+    axes.legend(loc="upper left", bbox_to_anchor=(-0.13, -0.19), borderaxespad=0)
     return figure
