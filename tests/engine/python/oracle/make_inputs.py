@@ -16,16 +16,18 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import analyse_inputs
+import run_inputs
 from analyse_inputs import FOLLOWINGS
 from made_trials import FACTORS, MEASURES, VARIANT, text_of
 from packing import pack, write_index
+from run_inputs import Given
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from oracle_cases import archived  # noqa: E402
+from oracle_cases import archived, index_of  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 
@@ -44,6 +46,16 @@ class Kind:
         self.files |= {f"{name}/{file}": content for file, content in inputs.items()}
 
     def write(self) -> None:
+        """What is known about a case with the same input stays in the index."""
+        if (self.folder / "index.json").exists():
+            before = archived(self.folder / "input.tar.xz") if self.files else {}
+            for name, known in index_of(self.folder.name).items():
+                is_same = all(self.files.get(f"{name}/{file}") == content
+                              for file, content in before.get(name, {}).items())
+                new = self.index.get(name, {})
+                if is_same and new.get("arguments") == known["arguments"] and len(before.get(name, {})) == sum(
+                        file.startswith(f"{name}/") for file in self.files):
+                    self.index[name] = {**known, **new}
         write_index(self.folder / "index.json", self.index)
         pack(self.folder / "input.tar.xz", self.files)
 
@@ -90,7 +102,19 @@ def analyse(kind: Kind) -> None:
         kind.add(name, about, ["experiment", "analyse", "trials.csv", *more], "analysis", {"trials.csv": content})
 
 
-KINDS = {"analyse": analyse}
+def runs(cases: dict[str, Given], out: str) -> Callable[[Kind], None]:
+    def write(kind: Kind) -> None:
+        for name, (about, arguments, inputs) in cases.items():
+            kind.add(name, about, arguments, out, inputs)
+    return write
+
+
+KINDS = {"analyse": analyse,
+         "compare": runs(run_inputs.compare_cases(), "compare"),
+         "power": runs(run_inputs.power_cases(), "power"),
+         "sweep": runs(run_inputs.sweep_cases(), "sweep"),
+         "canonical": runs(run_inputs.canonical_cases(), "experiment"),
+         "accuracy": runs(run_inputs.accuracy_cases(), "accuracy")}
 
 
 def main() -> None:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes what is expected from the inputs, with a program.
 
-make_oracle.py PALPATE DIR [KIND ...]
+make_oracle.py PALPATE DIR [KIND | KIND/NAME ...]
 
 For each case of this folder, runs the command with its inputs, and writes what it printed and wrote into
 DIR/KIND. DIR may be this folder. The committed results are of commit 53aa82cd (README.md).
@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from packing import pack, write_index
 
@@ -30,6 +31,9 @@ NOT_KEPT = {"run.log", "parts", "traces"}
 
 # Numbers keep 12 significant digits: 1e-9 is compared, and a number is then the same text in JSON and CSV.
 LONG_NUMBER = re.compile(rb"(?<![\w.])-?\d+\.\d{8,}(?:e[+-]?\d+)?(?![\w.])")
+
+
+PROGRESS = re.compile(rb"^palpate: .* left, \d+ % done\r?\n?", re.M)
 
 
 def shortened(text: bytes) -> bytes:
@@ -53,6 +57,13 @@ def results_in(folder: Path) -> Files:
     return {str(path.relative_to(folder)): reduced(path) for path in kept}
 
 
+def is_table(tree: Any) -> bool:
+    """Whether a JSON tree is a list of objects that are not nested, with one row or more."""
+    rows = tree if isinstance(tree, list) else []
+    return bool(rows) and all(isinstance(row, dict) and not any(
+        isinstance(value, (dict, list)) for value in row.values()) for row in rows)
+
+
 def tables_in_json(found: Files) -> dict[str, str]:
     """The CSV files whose rows are in a JSON file, too, and the name of that file."""
     in_json = {}
@@ -60,7 +71,7 @@ def tables_in_json(found: Files) -> dict[str, str]:
         if not name.endswith(".json"):
             continue
         trees = json.loads(found[name])
-        for table in (key for key in trees if f"{key}.csv" in found and trees[key]):
+        for table in (key for key, rows in trees.items() if f"{key}.csv" in found and is_table(rows)):
             rows = table_of(found[f"{table}.csv"].decode())
             if not list(table_differences(as_table(trees[table]), rows)):
                 in_json[f"{table}.csv"] = name
@@ -73,15 +84,20 @@ def run(program: Path, each: Case) -> tuple[int, Files]:
         folder = Path(name)
         each.put_inputs(folder)
         done = subprocess.run([program, *each.arguments], cwd=folder, capture_output=True, check=False)
-        found = {"stdout": done.stdout, "stderr": done.stderr} | results_in(folder / each.out)
+        found = {"stdout": done.stdout, "stderr": PROGRESS.sub(b"", done.stderr)} | results_in(folder / each.out)
     for content in found.values():
         assert name.encode() not in content, f"{each}: a result names the folder of the run"
     return done.returncode, found
 
 
-def remake(program: Path, kind: str, to: Path) -> None:
+def remake(program: Path, kind: str, only: str, to: Path) -> None:
+    """only: the name of one case; empty: all cases."""
     index, expected = {}, {}
     for each in cases(kind):
+        if only and each.name != only and "exit" in each.index:
+            index[each.name] = each.index
+            expected |= {f"{each.name}/{name}": content for name, content in each.expected.items()}
+            continue
         code, found = run(program, each)
         in_json = tables_in_json(found)
         found = {name: content for name, content in found.items() if name not in in_json}
@@ -97,8 +113,9 @@ def remake(program: Path, kind: str, to: Path) -> None:
 
 def main() -> None:
     program, to = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
-    for kind in sys.argv[3:] or sorted(path.parent.name for path in HERE.glob("*/index.json")):
-        remake(program, kind, to / kind)
+    for name in sys.argv[3:] or sorted(path.parent.name for path in HERE.glob("*/index.json")):
+        kind, _, only = name.partition("/")
+        remake(program, kind, only, to / kind)
 
 
 if __name__ == "__main__":
