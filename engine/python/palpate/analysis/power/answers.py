@@ -106,7 +106,7 @@ class Answers:
             for n, *point in zip(
                 range(2, self.most + 1),
                 self.counts[model, t].tolist(),
-                self.share[model, t].tolist(),
+                map(all_digits, self.share[model, t].tolist()),
                 map(six_digits, self.low[model, t]),
                 map(six_digits, self.high[model, t]),
             )
@@ -142,8 +142,13 @@ class Answers:
         }
 
 
-def six_digits(value: float) -> float:
-    return float(f"{value:.6g}")
+def six_digits(value: float) -> str:
+    return f"{value:.6g}"
+
+
+def all_digits(value: float) -> str:
+    """The fewest digits that identify the number."""
+    return repr(value).removesuffix(".0")
 
 
 def _settings(study: Study) -> dict[str, Any]:
