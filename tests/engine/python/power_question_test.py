@@ -4,11 +4,11 @@ pilots."""
 import argparse
 from dataclasses import dataclass
 from os import environ
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from palpate.analysis import statistics as st
 from palpate.analysis.errors import InputError
 from palpate.analysis.experiment.outcomes import LOSSES, PENETRATION, TIME
 from palpate.analysis.power import command, paper
@@ -314,5 +314,104 @@ def test_variants_beside_practice_are_refused(tmp_path):
         experiment_of(read_trials(path), "", MEASURES["angle"].design)
 
 
-def test_statistics_of_a_pilot_do_not_divide_by_zero():
-    assert st.f_tail(np.inf, 36, 10) == 0.0
+FIVE = "NoH-NoR=29,NoH-R=31,UaH-NoR=27,UaH-R=29,H-NoR=25"
+
+
+def refusal(*options):
+    with pytest.raises(InputError) as caught:
+        study(*options)
+    return str(caught.value)
+
+
+# Others are in the oracle.
+@pytest.mark.parametrize("text, expected", [
+    (f"{FIVE},H-R=x", 'has "x" for H-R; expected a number from -1e9 to 1e9'),
+    (f"{FIVE},H-R=inf", 'has "inf" for H-R'),
+    (f"{FIVE},H-R=+3", 'has "+3" for H-R'),
+    (f"{FIVE},H-R=1_0", 'has "1_0" for H-R'),
+    (f"{FIVE},H-R=1e400", 'has "1e400" for H-R'),
+    ("NoH=1", 'has the part "NoH=1"; expected CONDITION=MEAN (write NoH-NoR=29.5,... for each of '
+              "NoH-NoR, NoH-R, UaH-NoR, UaH-R, H-NoR, H-R)"),
+])
+def test_bad_effects_are_refused(text, expected):
+    assert refusal(f"--effect={text}").startswith(f"--effect: {expected}")
+
+
+def test_effects_have_any_order_and_blanks():
+    text = ", ".join(reversed(f"{FIVE},H-R=-2.5e1".split(",")))
+    assert study(f"--effect={text}").means.tolist() == [29.0, 31.0, 27.0, 29.0, 25.0, -25.0]
+
+
+def test_a_large_error_is_accepted():
+    assert study("--error=1e9").assumptions["error_sd"].max() == 1e9
+
+
+class MadePilot:
+    """Three people, two objects, two blocks, and practice. The times are numbers of a formula
+    without any pattern that a model could explain."""
+
+    def __init__(self, following=""):
+        self.rows, state = [], 1
+        for person in range(1, 4):
+            for block in range(3):
+                for haptic in SIX.haptic:
+                    for rotation in SIX.rotation:
+                        for thing in ("O1", "O2"):
+                            state = (state * 1664525 + 1013904223) % (1 << 32)
+                            time = 20.0 + 4.0 * person + (state >> 24) / 32.0
+                            self.rows.append([following, f"P{person}", block, haptic, rotation,
+                                              thing, "done", time])
+
+    def write(self, path, *others):
+        rows = self.rows + [row for other in others for row in other.rows]
+        path.write_text(HEAD + "".join(",".join(map(str, row)) + "\n" for row in rows))
+        return f"--pilot={path}"
+
+
+def test_a_pilot_gives_the_variances(tmp_path):
+    pilot = study(MadePilot().write(tmp_path / "pilot.csv")).pilot
+    assert (pilot.participants, pilot.trials, pilot.m) == (3, 72, 4.0)
+    assert pilot.df["pc"] == 10
+    assert pilot.df["e"] == 36  # 6 conditions, 3 - 1 people, 4 - 1 trials
+    assert pilot.raw["w"] == pytest.approx(
+        (pilot.mean_squares["pc"] - pilot.mean_squares["e"]) / 4.0, abs=1e-9)
+
+
+def test_a_pilot_may_have_missing_trials_and_several_followings(tmp_path):
+    delayed = MadePilot("delayed")
+    delayed.rows[30][6:] = "timeout", ""
+    delayed.rows = [row for row in delayed.rows if row[1:3] != ["P2", 2]]
+    path = delayed.write(tmp_path / "both.csv", MadePilot())
+    for name, trials, missing in (("delayed", 59, 13), ("people", 72, 0)):
+        found = study(path, f"--following={name}")
+        assert (found.pilot.participants, found.pilot.trials) == (3, trials)
+        assert found.pilot.missing == missing
+        text = "13 of 72 trials of the pilot are missing"
+        assert any(text in note for note in notes(found)) == (missing == 13)
+    assert "column following: has trials of 2 kinds; expected one kind (choose one with --following: " \
+           "delayed or people)" in refusal(path)
+
+
+@pytest.mark.parametrize("option", ["--error", "--share-u", "--share-w"])
+def test_a_pilot_excludes_assumptions(tmp_path, option):
+    path = MadePilot().write(tmp_path / "pilot.csv")
+    assert refusal(path, f"{option}=0.5").startswith(f"{option}: excludes --pilot")
+
+
+@pytest.mark.parametrize("value", ["1e300", "1e155", "2e9"])
+def test_a_pilot_with_too_large_values_is_refused(tmp_path, value):
+    pilot = MadePilot()
+    pilot.rows.append(["", "P1", 3, "NoH", "NoR", "O1", "done", value])
+    message = refusal(pilot.write(tmp_path / "pilot.csv"))
+    assert "pilot.csv: column total_time_s: is " in message
+    assert "in a trial of participant P1, which is too large; expected -1e9 to 1e9" in message
+
+
+
+def test_a_pilot_of_which_only_uah_is_asked_for_may_have_other_levels(tmp_path):
+    path = MadePilot().write(tmp_path / "pilot.csv")
+    angle = path.removeprefix("--pilot=")
+    text = Path(angle).read_text().replace("total_time_s", "mean_contact_angle_deg")
+    (tmp_path / "angle.csv").write_text(text)
+    pilot = study(f"--pilot={tmp_path / 'angle.csv'}", "--measure=angle").pilot
+    assert (pilot.participants, pilot.trials, pilot.m) == (3, 24, 4.0)
