@@ -154,13 +154,20 @@ class Experiment:
         return counts.assign(share=counts["timeouts"] / held.where(held > 0), low=low, high=high)
 
     @property
-    def total(self) -> pd.Series[Any]:
-        """The counts of all conditions together."""
-        return self.counts.iloc[0]
+    def total(self) -> dict[str, int]:
+        """done, timeouts, faults and absent, of all conditions together."""
+        return {name: int(n) for name, n in self.counts.iloc[0, :4].items()}
+
+    def done(self, levels: dict[str, str]) -> int:
+        """How many trials were completed at these levels of factors of the condition."""
+        done = self.counts["done"].iloc[1:]
+        for factor, level in levels.items():
+            done = done[done.index.get_level_values(factor) == level]
+        return int(done.sum())
 
     @property
     def missing(self) -> int:
-        return int(self.total[["timeouts", "faults", "absent"]].sum())
+        return sum(self.total.values()) - self.total["done"]
 
     def empty_condition(self) -> str | None:
         """The first condition without a completed trial: "UaH, R, O2"."""

@@ -85,9 +85,13 @@ class Finding:
     ascending: tuple[str, ...] = ()  # levels by ascending mean, of Claim.ORDER
 
     @property
+    def effect(self) -> str:
+        return effect_name(self.term)
+
+    @property
     def name(self) -> str:
         """ "total time, Haptic"."""
-        return f"{self.outcome.name if self.outcome else 'MANOVA'}, {effect_name(self.term)}"
+        return f"{self.outcome.name if self.outcome else 'MANOVA'}, {self.effect}"
 
     @property
     def printed(self) -> str:

@@ -107,10 +107,10 @@ def _effects(values: Array, sizes: dict[str, int]) -> list[dict[str, object]]:
 def _pairs(by_levels: Array, levels: dict[str, list[str]]) -> pd.DataFrame:
     haptic, rotation = levels["Haptic"], levels["Rotation"]
     of_haptic = by_levels.mean(axis=2)
-    rows = [
-        ("levels of Haptic", f"{haptic[j]} - {haptic[i]}", paired_t(of_haptic[:, j], of_haptic[:, i]))
-        for i, j in combinations(range(len(haptic)), 2)
-    ]
+    rows = []
+    for i, j in combinations(range(len(haptic)), 2):
+        test = paired_t(of_haptic[:, j], of_haptic[:, i])
+        rows.append(("levels of Haptic", f"{haptic[j]} - {haptic[i]}", test))
     if len(rotation) > 1:
         rows += [
             (
@@ -125,7 +125,7 @@ def _pairs(by_levels: Array, levels: dict[str, list[str]]) -> pd.DataFrame:
         [{"family": family, "pair": pair, **asdict(test)} for family, pair, test in rows],
         columns=columns,
     )
-    p_holm = [holm(group) for _, group in pairs.groupby("family", sort=False)["p"]]
+    p_holm = [holm(group) for _, group in pairs.groupby("family", sort=False, observed=True)["p"]]
     return pairs.assign(p_holm=np.concatenate([*p_holm, np.empty(0)]))
 
 

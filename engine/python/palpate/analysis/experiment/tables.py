@@ -4,15 +4,17 @@ JSON."""
 from __future__ import annotations
 
 from collections.abc import Hashable
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from palpate.analysis.statistics import Term, effect_name
+from palpate.analysis.statistics import effect_name
+from palpate.analysis.statistics.types import Array
 
 from .analysis import ExperimentAnalysis, OperatorAnalysis
-from .experiments import FACTORS, VARIANT, Experiment
+from .experiments import CONDITION, VARIANT, Experiment
 from .outcomes import ANGLE, PAPER_OUTCOMES, Outcome
 from .paper import MANOVA, MEANS, F
 from .primary import Primary
@@ -45,7 +47,7 @@ def tables_of(analysis: ExperimentAnalysis) -> dict[str, pd.DataFrame]:
     tables = {}
     for (name, columns), maker in zip(COLUMNS.items(), makers):
         frames = [_of(each, maker(analysis, each)) for each in analysis.operators]
-        tables[name] = _shaped(pd.concat(frames), [*columns.split(), *VARIANT])
+        tables[name] = _shaped(_stacked(frames), [*columns.split(), *VARIANT])
     tables["differences"] = _shaped(_differences(analysis), DIFFERENCES.split())
     return tables
 
@@ -55,6 +57,12 @@ def rows_of(table: pd.DataFrame) -> list[dict[Hashable, Any]]:
     values = table.astype(object)
     records: list[dict[Hashable, Any]] = values.where(values.notna(), None).to_dict("records")
     return records
+
+
+def _stacked(frames: list[pd.DataFrame]) -> pd.DataFrame:
+    """The rows of all frames. Columns have no type, because one may have no value in a frame."""
+    filled = [frame.astype(object) for frame in frames if len(frame)]
+    return pd.concat(filled, ignore_index=True) if filled else pd.DataFrame(*frames[:1])
 
 
 def _shaped(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
@@ -81,7 +89,7 @@ def _effects(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
         names_of = {"epsilon": "gg_epsilon", "p_gg": "gg_p"}
         frame = primary.effects.rename(columns=names_of).assign(analysis=_kind(primary))
         frames.append(_with_papers_f(frame, primary.outcome, primary.only_haptic))
-    frame = pd.concat(frames) if frames else pd.DataFrame(columns=["term"])
+    frame = _stacked(frames or [pd.DataFrame(columns=["term"])])
     return frame.assign(effect=[effect_name(term) for term in frame["term"]])
 
 
@@ -117,41 +125,46 @@ def _comparisons(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
             columns={"half_width": "half_width_95", "pairs": "participants"}
         )
         frames.append(_with_outcome(frame.assign(analysis=kind), primary.outcome))
-    return pd.concat(frames) if frames else pd.DataFrame()
+    return _stacked(frames)
 
 
 def _with_outcome(frame: pd.DataFrame, outcome: Outcome) -> pd.DataFrame:
     return frame.assign(outcome=outcome.name, unit=outcome.unit)
 
 
-def trial_means(experiment: Experiment, outcome: Outcome) -> pd.DataFrame:
-    """Mean and standard deviation (n - 1) of the trials that have an outcome: of all trials, at
-    each level of each factor, and at each combination of Haptic and Rotation. Factors with one
-    level are left out. Columns: Haptic, Rotation, Object ("all": over all levels), done, n, mean,
-    sd."""
-    frames = [pd.DataFrame(_summary(experiment.trials, outcome)).T]
+def levels_of_means(experiment: Experiment) -> list[dict[str, str]]:
+    """The levels of tables of means, by factor: of all trials, each level of each factor, and each
+    combination of Haptic and Rotation. Factors with one level are left out."""
+    levels: list[dict[str, str]] = [{}]
     for factors in MEAN_LEVELS:
-        if all(len(experiment.levels[factor]) > 1 for factor in factors):
-            groups = experiment.trials.groupby(factors, observed=False)
-            frames.append(
-                groups[["status", outcome.key]]
-                .apply(lambda group: _summary(group, outcome))
-                .reset_index()
-            )
-    means = pd.concat(frames, ignore_index=True)
-    levels = means.reindex(columns=list(FACTORS[:3])).astype(object)
-    means[list(FACTORS[:3])] = levels.where(levels.notna(), "all")
-    return means.astype({"n": int, "done": int, "mean": float, "sd": float})
+        lists = [experiment.levels[factor] for factor in factors]
+        if all(len(names) > 1 for names in lists):
+            levels += [dict(zip(factors, names)) for names in product(*lists)]
+    return levels
 
 
-def _summary(trials: pd.DataFrame, outcome: Outcome) -> pd.Series[Any]:
-    values = trials[outcome.key].dropna().to_numpy()
+def trial_means(experiment: Experiment, outcome: Outcome) -> pd.DataFrame:
+    """Mean and standard deviation (n - 1) of the trials that have an outcome, at each of
+    levels_of_means(). Columns: Haptic, Rotation, Object ("all": over all levels), n, mean, sd."""
+    grid = experiment.grid(outcome)
+    rows = []
+    for levels in levels_of_means(experiment):
+        at: list[Any] = [
+            experiment.levels[factor].index(levels[factor]) if factor in levels else slice(None)
+            for factor in CONDITION
+        ]
+        values = grid[(slice(None), *at)]
+        rows.append([levels.get(factor, "all") for factor in CONDITION] + _summary(values))
+    return pd.DataFrame(rows, columns=[*CONDITION, "n", "mean", "sd"])
+
+
+def _summary(grid: Array) -> list[float]:
+    values = grid[~np.isnan(grid)]
     n = len(values)
     is_constant = n > 0 and values.min() == values.max()  # no rounding noise
     sd = np.nan if n < 2 else 0.0 if is_constant else values.std(ddof=1)
     mean = np.nan if n == 0 else values[0] if is_constant else values.mean()
-    done = int((trials["status"] == "done").sum())
-    return pd.Series({"done": done, "n": n, "mean": mean, "sd": sd})
+    return [n, float(mean), float(sd)]
 
 
 def paper_mean(
@@ -187,7 +200,7 @@ def _means(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
         frames.append(_with_outcome(frame, primary.outcome))
     if not frames:
         return pd.DataFrame()
-    frame = pd.concat(frames, ignore_index=True)
+    frame = _stacked(frames)
     levels = frame[["key", "Haptic", "Rotation", "Object"]].itertuples(index=False)
     papers = [paper_mean(experiment, *row) or (np.nan, np.nan) for row in levels]
     frame[["paper_mean", "paper_sd"]] = papers
@@ -239,13 +252,14 @@ def _differences(analysis: ExperimentAnalysis) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def document(analysis: ExperimentAnalysis, file: str, limit_s: float) -> dict[str, Any]:
+def document(
+    analysis: ExperimentAnalysis, tables: dict[str, pd.DataFrame], file: str, limit_s: float
+) -> dict[str, Any]:
     """The JSON document: the file, the time limit and the operators, then the tables. file: as the
     user named it."""
     operators = [_operator(each) for each in analysis.operators]
-    tables = {name: rows_of(table) for name, table in tables_of(analysis).items()}
     head = {"palpate_analysis": 1, "file": file, "limit_s": limit_s, "operators": operators}
-    return {**head, **tables}
+    return {**head, **{name: rows_of(table) for name, table in tables.items()}}
 
 
 def _operator(each: OperatorAnalysis) -> dict[str, Any]:

@@ -185,4 +185,4 @@ def _sscp(parts: Array) -> Array:
 
 
 def _diagonal(root: Any) -> Array:
-    return np.abs(np.diagonal(root, axis1=-2, axis2=-1))
+    return np.asarray(np.abs(np.diagonal(root, axis1=-2, axis2=-1)))

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from .distributions import t_for_coverage, z_for_coverage
-from .types import Array, Numbers
+from .types import EPSILON, Array, Numbers
 
 COVERAGE = 0.95
 SIGNIFICANCE = 0.05
@@ -25,9 +25,11 @@ def cousineau_morey(table: ArrayLike) -> Array:
     n, k = values.shape[-2:]
     if n < 2 or k < 2:
         return np.full(values.shape[:-2] + (k,), np.nan)
+    rounding = (n + k) * EPSILON * np.abs(values).max(axis=(-2, -1), keepdims=True)[..., 0, :]
     values = values - values.mean(axis=(-2, -1), keepdims=True)  # rounds less
     normalised = values - values.mean(axis=-1, keepdims=True)
     sd: Array = normalised.std(axis=-2, ddof=1)
+    sd = np.where(sd > rounding, sd, 0.0)
     return np.asarray(t_for_coverage(n - 1.0) * sd * np.sqrt(k / (k - 1.0) / n))
 
 
