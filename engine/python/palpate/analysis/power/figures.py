@@ -14,7 +14,7 @@ from .contrasts import together
 from .texts import assumption_text
 
 # Pixels. A panel is so narrow that its texts stay readable on a phone.
-_WIDTH, _HEIGHT, _LEGEND_ROW = 400, 270, 17
+_WIDTH, _HEIGHT, _LEGEND_ROW = 384, 270, 17
 # Noises that differ by less than this share have the same curve: far below the error of a million
 # data sets, 1e-3.
 _SAME_NOISE = 1e-6
