@@ -35,11 +35,7 @@ std::string digits_text(double value, int digits) {
   return text.data();
 }
 
-// A stiffness and its limit, rounded so that the texts are in the same order as the numbers.
-struct ComparedTexts {
-  std::string stiffness;
-  std::string limit;
-};
+// Rounded so that the texts are in the same order as the numbers.
 ComparedTexts compared_texts(double stiffness_N_per_m, double limit_N_per_m, bool is_within) {
   constexpr int kDigits = 3, kMostDigits = 15;
   const auto rounded = [](double value, int digits) {
@@ -53,15 +49,6 @@ ComparedTexts compared_texts(double stiffness_N_per_m, double limit_N_per_m, boo
     return {digits_text(stiffness, digits) + " N/m", digits_text(limit, digits) + " N/m"};
   }
   return {human(stiffness_N_per_m, "N/m"), human(limit_N_per_m, "N/m")};
-}
-ComparedTexts passivity_texts(const CouplingVerdict& v) {
-  return compared_texts(v.effective_N_per_m, v.limits.passive_N_per_m, v.is_passive);
-}
-// Stable is below the limit: the other way round, a limit up to K is not.
-ComparedTexts stability_texts(const CouplingVerdict& v) {
-  ComparedTexts texts = compared_texts(v.limits.stable_N_per_m, v.effective_N_per_m, !v.is_stable);
-  std::swap(texts.stiffness, texts.limit);
-  return texts;
 }
 
 // An error, or the floor if the error is below it.
@@ -194,6 +181,16 @@ class Lines {
 };
 
 }  // namespace
+
+ComparedTexts passivity_texts(const CouplingVerdict& v) {
+  return compared_texts(v.effective_N_per_m, v.limits.passive_N_per_m, v.is_passive);
+}
+// Stable is below the limit: the other way round, a limit up to K is not.
+ComparedTexts stability_texts(const CouplingVerdict& v) {
+  ComparedTexts texts = compared_texts(v.limits.stable_N_per_m, v.effective_N_per_m, !v.is_stable);
+  std::swap(texts.stiffness, texts.limit);
+  return texts;
+}
 
 std::string delay_text(const DeviceDescription& d) {
   const double delay_s = wall_delay_s(d);

@@ -34,6 +34,14 @@ std::string mechanics_text(const DeviceDescription& device);
 // "delay at most 3.1 ms" or "without delay": the delay of the limits, wall_delay_s().
 std::string delay_text(const DeviceDescription& device);
 
+// A stiffness and its limit as texts, with as many digits as keep them in the order of the numbers.
+struct ComparedTexts {
+  std::string stiffness;
+  std::string limit;
+};
+ComparedTexts passivity_texts(const CouplingVerdict& verdict);
+ComparedTexts stability_texts(const CouplingVerdict& verdict);
+
 ReportSection scene_section(const SceneFindings& findings);
 
 // A table of the presets, the trials and the limits as CSV. Each line has the fields

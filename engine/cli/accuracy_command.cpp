@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/accuracy/accuracy_csv.h"
+#include "engine/accuracy/accuracy_json.h"
 #include "engine/accuracy/accuracy_plots.h"
 #include "engine/accuracy/accuracy_report.h"
 #include "engine/accuracy/advice.h"
@@ -199,11 +200,18 @@ AccuracyReport report_of(const std::vector<KnobResult>& results, const Advice& a
 constexpr const char* kTable = "raw.csv";
 constexpr const char* kSceneTable = "scene.csv";
 constexpr const char* kZonesTable = "stiffness_zones.csv";
+constexpr const char* kZonesPicture = "stiffness.svg";
+constexpr const char* kJson = "accuracy.json";
 constexpr const char* kPage = "report.html";
 
 // Every file that `accuracy` may write.
 std::vector<std::string> accuracy_file_names(const MeasurementEffort& effort) {
-  std::vector<std::string> names{kTable, kSceneTable, kZonesTable, kPage,
+  std::vector<std::string> names{kTable,
+                                 kSceneTable,
+                                 kZonesTable,
+                                 kZonesPicture,
+                                 kJson,
+                                 kPage,
                                  std::string(kSceneKnob) + ".svg"};
   for (const Knob& knob : all_knobs(effort)) names.push_back(knob.name + ".svg");
   return names;
@@ -237,6 +245,12 @@ std::optional<Error> write_results(const std::vector<KnobResult>& results, const
   report.sections.push_back(stiffness_chart_section(chart));
   const auto zones = write_text_file(files.path(kZonesTable), stiffness_chart_csv(chart));
   if (!zones) return zones.error();
+  const AccuracyResults all{advice, effort, results, findings ? &*findings : nullptr, chart};
+  for (const auto& [name, content] : {std::pair{kZonesPicture, stiffness_chart_svg(chart)},
+                                      std::pair{kJson, accuracy_json(all)}}) {
+    const auto file = write_text_file(files.path(name), content);
+    if (!file) return file.error();
+  }
   const auto written = write_text_file(files.path(kPage), report_html(report));
   return written ? std::nullopt : std::optional<Error>(written.error());
 }

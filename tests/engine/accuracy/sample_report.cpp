@@ -3,8 +3,10 @@
 #include <vector>
 
 #include "engine/accuracy/accuracy_csv.h"
+#include "engine/accuracy/accuracy_json.h"
 #include "engine/accuracy/accuracy_report.h"
 #include "engine/accuracy/advice.h"
+#include "engine/accuracy/stiffness_picture.h"
 #include "engine/devices/light_device.h"
 #include "engine/report/html.h"
 #include "engine/report/text_file.h"
@@ -38,8 +40,13 @@ bool test::write_accuracy_sample(const std::string& folder) {
   report.advice = *advise(input);
   report.chapters = chapters_of(results);
   report.sections.push_back({"Your scene", "<p>" + html_escaped("a < b") + "</p>"});
-  bool good = succeeded(write_text_file(folder + "/report.html", report_html(report))) &&
-              succeeded(write_accuracy_csv(results, folder + "/report.csv"));
+  const StiffnessChart chart = *stiffness_chart(light_device(), {}, 1000.0);
+  bool good =
+      succeeded(write_text_file(folder + "/accuracy.json",
+                                accuracy_json({*report.advice, {}, results, nullptr, chart}))) &&
+      succeeded(write_text_file(folder + "/stiffness.svg", stiffness_chart_svg(chart))) &&
+      succeeded(write_text_file(folder + "/report.html", report_html(report))) &&
+      succeeded(write_accuracy_csv(results, folder + "/report.csv"));
   for (std::size_t i = 0; good && i < results.size(); ++i) {
     const auto svg = work_precision_svg(results[i]);
     good = succeeded(svg) &&
