@@ -273,6 +273,10 @@ std::string OutputFiles::path(const std::string& name) const {
   return (state_->hidden / name).string();
 }
 
+std::string OutputFiles::hidden_folder() const {
+  return state_->hidden.string();
+}
+
 Error OutputFiles::in_place(Error error) const {
   const std::string hidden = (state_->hidden / "").string();
   if (error.path.starts_with(hidden)) {

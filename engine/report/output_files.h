@@ -45,6 +45,9 @@ class OutputFiles {
   // The path at which to write the file of this name, which must be one of the names of create().
   std::string path(const std::string& name) const;
 
+  // The hidden folder, for another program that writes files of these names.
+  std::string hidden_folder() const;
+
   // error: an error from writing one of these files. Returns this error with the file's final path
   // instead of its path in the hidden folder.
   Error in_place(Error error) const;

@@ -1,6 +1,8 @@
 #include "engine/trials/csv_cells.h"
 
+#include <array>
 #include <charconv>
+#include <cmath>
 
 #include "geometry/base/printable.h"
 
@@ -24,8 +26,39 @@ std::string text_of(const WholeRange& range) {
 
 }  // namespace
 
+std::string values_text(std::string_view values, Blank blank) {
+  constexpr std::array<std::string_view, 3> kBehind = {"", " or empty", " or empty or NA"};
+  return std::string(values).append(kBehind[static_cast<std::size_t>(blank)]);
+}
+
+// "number 0..", "number >0..10"
+std::string values_text(const NumberRange& range, Blank blank) {
+  const bool has_least = std::isfinite(range.least);
+  const bool has_most = std::isfinite(range.most);
+  std::string text = "number";
+  if (has_least || has_most) {
+    text += range.is_least_out ? " >" : " ";
+    if (has_least) text += number_text(range.least);
+    text += "..";
+    if (has_most) text += number_text(range.most);
+  }
+  return values_text(text, blank);
+}
+
+std::string values_text(std::span<const std::string_view> names, Blank blank) {
+  std::string text;
+  for (const std::string_view name : names) text.append(text.empty() ? "" : "|").append(name);
+  return values_text(text, blank);
+}
+
 bool is_blank(std::string_view field, Blank blank) {
   return (blank != Blank::kNone && field.empty()) || (blank == Blank::kEmptyOrNA && field == "NA");
+}
+
+std::string values_text(const WholeRange& range) {
+  const WholeRange all;
+  if (range.least == all.least && range.most == all.most) return "whole";
+  return "whole " + std::to_string(range.least) + ".." + std::to_string(range.most);
 }
 
 std::optional<double> number_in(std::string_view field) {

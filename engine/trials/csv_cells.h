@@ -38,6 +38,11 @@ struct WholeRange {
 };
 
 bool is_blank(std::string_view field, Blank blank);
+// The texts of columns.csv (Cell::values).
+std::string values_text(std::string_view values, Blank blank);
+std::string values_text(const WholeRange& range);
+std::string values_text(const NumberRange& range, Blank blank);
+std::string values_text(std::span<const std::string_view> names, Blank blank);
 // The value of a field that is a number and nothing else; also nan and inf.
 std::optional<double> number_in(std::string_view field);
 std::optional<FieldError> read_whole(const std::string& field, const WholeRange& range, int& value);
@@ -65,7 +70,8 @@ struct CsvCells {
     return {[member](const Row& row, CsvLines& lines) { lines.add(std::invoke(member, row)); },
             [member](const std::string& field, Row& row) {
               return read_name(field, std::invoke(member, row));
-            }};
+            },
+            values_text("text", Blank::kNone)};
   }
 
   // An int.
@@ -74,7 +80,8 @@ struct CsvCells {
     return {[member](const Row& row, CsvLines& lines) { lines.add(std::invoke(member, row)); },
             [member, range](const std::string& field, Row& row) {
               return read_whole(field, range, std::invoke(member, row));
-            }};
+            },
+            values_text(range)};
   }
 
   // A number of any type, or an optional double. Without a range, nan is allowed.
@@ -93,7 +100,7 @@ struct CsvCells {
     return {[member](const Row& row, CsvLines& lines) {
               write(std::invoke(member, row), lines, [&](const auto& value) { lines.add(value); });
             },
-            read};
+            read, values_text(range.value_or(NumberRange{}), rule.blank)};
   }
 
   // The name of a level as a std::string; or its place as a number, an enumeration or an optional
@@ -126,7 +133,7 @@ struct CsvCells {
     return {[member, add](const Row& row, CsvLines& lines) {
               write(std::invoke(member, row), lines, [&](const auto& value) { add(value, lines); });
             },
-            read};
+            read, values_text(names, rule.blank)};
   }
 
  private:

@@ -34,6 +34,9 @@ struct Cell {
   std::function<void(const Row&, CsvLines&)> write;
   // Puts the value of a field into the row.
   std::function<std::optional<FieldError>(const std::string&, Row&)> read;
+  // The values that are read, for columns.csv: `text`, `whole 0..9`, `number 0..`, `a|b|c`, with
+  // ` or empty` or ` or empty or NA` behind them.
+  std::string values = {};
 };
 
 enum class Presence : std::uint8_t {
@@ -118,16 +121,19 @@ void write_row(const CsvTable<Row>& table, const Row& row, CsvLines& lines,
   lines.end_line();
 }
 
-// The text of columns.csv: name, unit, meaning, and the paper's names if the paper has any.
+// The text of columns.csv: name, unit, meaning, the paper's names if the paper has any, whether a
+// file may be without the column, and the values (Cell).
 template <class Row>
 std::string columns_text(const CsvTable<Row>& table, bool with_extra = true) {
   const bool has_paper = std::any_of(table.columns.begin(), table.columns.end(),
                                      [](const auto& column) { return !column.paper.empty(); });
-  CsvLines lines(has_paper ? "name,unit,meaning,paper" : "name,unit,meaning");
+  CsvLines lines(has_paper ? "name,unit,meaning,paper,presence,values"
+                           : "name,unit,meaning,presence,values");
   for_each_column(table, with_extra, [&](const auto& column) {
     lines.add(column.name).add(column.unit).add(column.meaning);
     if (has_paper) lines.add(column.paper);
-    lines.end_line();
+    lines.add(column.presence == Presence::kRequired ? "required" : "optional");
+    lines.add(column.cell.values).end_line();
   });
   return lines.text();
 }

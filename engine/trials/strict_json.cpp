@@ -34,12 +34,6 @@ std::string shown(const Json& value) {
   return printable(shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
 
-std::string number_text(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
 }  // namespace
 
 Result<Json> parse_strict_json(std::string_view text, const std::string& path) {
@@ -73,6 +67,12 @@ Result<std::string> read_settings_text(const std::string& path) {
   const auto bytes = read_regular_file(path, kMostSettingsBytes);
   if (!bytes) return bytes.error();
   return std::string(bytes->begin(), bytes->end());
+}
+
+std::string number_text(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
 }
 
 std::string text_of(const NumberRange& range) {

@@ -31,6 +31,9 @@ Result<nlohmann::json> parse_strict_json(std::string_view text, const std::strin
 // The content of a file of at most kMostSettingsBytes.
 Result<std::string> read_settings_text(const std::string& path);
 
+// Six digits, as messages show limits: "0.25".
+std::string number_text(double value);
+
 // "a number above 0 and at most 100", "a number from 2 to 3", "a finite number"
 std::string text_of(const NumberRange& range);
 

@@ -37,17 +37,19 @@ constexpr FieldRule kAsInPaper{{}, Blank::kEmptyOrNA, kOtherMeaning};
 
 Cell<Row> printed_number(double Row::*member, const NumberRange& range) {
   return {[member](const Row& row, CsvLines& lines) { lines.add(as_printed(row.*member)); },
-          Field::number(member, range, kAsInPaper).read};
+          Field::number(member, range, kAsInPaper).read, values_text(range, kAsInPaper.blank)};
 }
 
 // Haptic or rotation: empty with a strategy.
 Cell<Row> factor(std::string Row::*member, std::span<const std::string_view> names) {
   const Cell<Row> level = Field::level(member, names);
-  return {level.write, [level](const std::string& field, Row& row) -> std::optional<FieldError> {
+  return {level.write,
+          [level](const std::string& field, Row& row) -> std::optional<FieldError> {
             if (row.strategy.empty()) return level.read(field, row);
             if (field.empty()) return std::nullopt;
             return FieldError{"an empty field, because strategy is " + row.strategy};
-          }};
+          },
+          values_text(names, Blank::kNone)};
 }
 
 Cell<Row> strategy_name() {
@@ -61,7 +63,8 @@ Cell<Row> strategy_name() {
         }
         row.strategy = field;
         return std::nullopt;
-      }};
+      },
+      values_text("text", Blank::kEmpty)};
 }
 
 constexpr NumberRange kNotNegative{0.0};
@@ -96,7 +99,7 @@ Column<Row> measure(std::size_t index, const NumberRange& range, std::string_vie
           std::string(meaning),
           paper,
           index < kPlainMeasureCount ? kOptional : kExtra,
-          {Field::number(member, {}).write, read},
+          {Field::number(member, {}).write, read, values_text(range, Blank::kEmptyOrNA)},
           kMeasures};
 }
 

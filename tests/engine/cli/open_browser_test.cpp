@@ -12,26 +12,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/environment_variable.h"
 
 namespace palpate {
 namespace {
 
 using test::content_of;
+using Variable = test::EnvironmentVariable;
 using test::TemporaryFolder;
-
-// Sets a variable of the environment until the end of the test.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    ::setenv(name, value.c_str(), 1);
-  }
-  ~Variable() { before_.empty() ? ::unsetenv(name_) : ::setenv(name_, before_.c_str(), 1); }
-
- private:
-  const char* name_;
-  std::string before_;
-};
 
 // A script in place of xdg-open. It writes its arguments and the file that it gets.
 void write_opener(const TemporaryFolder& folder) {
