@@ -8,7 +8,7 @@
 
 #include "engine/accuracy/advice.h"
 #include "engine/accuracy/measurement.h"
-#include "engine/accuracy/scene_section.h"
+#include "engine/accuracy/scene_findings.h"
 #include "engine/accuracy/stiffness_chart.h"
 
 namespace palpate {

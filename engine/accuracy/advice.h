@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/accuracy/measurement.h"
-#include "engine/accuracy/scene_section.h"
+#include "engine/accuracy/scene_findings.h"
 #include "haptics/effects/virtual_coupling.h"
 #include "palpate/device.h"
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "engine/report/html.h"
 #include "engine/report/human_units.h"
 #include "engine/report/svg.h"
 
@@ -155,26 +154,6 @@ std::string stiffness_chart_svg(const StiffnessChart& chart) {
   }
   draw_legend(svg, chart, rows * kPanelHeight);
   return svg.document();
-}
-
-ReportSection stiffness_chart_section(const StiffnessChart& chart) {
-  const AssumedMechanics& mechanics = chart.own.mechanics;
-  std::string html =
-      "<p>On a device that moves motors, the force acts some time after the position that it "
-      "answers, and a wall is judged with the longest time. This device: " +
-      html_escaped(assumed_text(mechanics)) + ". At " + html_escaped(human(chart.rate_Hz, "Hz")) +
-      ", " + html_escaped(zone_text(chart.stiffness_N_per_m, chart.own)) +
-      ". <code>palpate run --device</code> measures the delay of a board and judges by it.</p>\n";
-  if (mechanics.assumes_delay) {
-    html +=
-        "<p>No delay is stated (<code>--device-delay</code>): the other limits on this page count "
-        "none, as of a simulated hand.</p>\n";
-  }
-  html += "<figure>\n" + stiffness_chart_svg(chart) +
-          "<figcaption>Limits of a wall, and of a groove: its walls push with K along each "
-          "of two directions, and each is the loop of a wall. Limits outside of the chart are at "
-          "its border; the numbers are in stiffness_zones.csv.</figcaption>\n</figure>\n";
-  return {"Stiffness, delay and rate", html};
 }
 
 }  // namespace palpate

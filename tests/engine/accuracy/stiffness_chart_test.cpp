@@ -140,17 +140,6 @@ TEST(StiffnessChart, ItsPictureShowsTheOwnPointOnceInItsPanelAndInTheLegend) {
   EXPECT_NE(svg.find("the setting, 20 kN/m at a delay of 1 ms: refused"), std::string::npos);
 }
 
-TEST(StiffnessChart, TheReportSaysWhetherTheDelayIsStated) {
-  const auto html = [](DelayInterval delay) {
-    return stiffness_chart_section(
-               test::made(stiffness_chart(charted_device(0.1, 0.5, delay), {100.0, 0.0}, 1000.0)))
-        .html;
-  };
-  EXPECT_NE(html({}).find("No delay is stated"), std::string::npos);
-  EXPECT_EQ(html({0.0, 1e-3}).find("No delay is stated"), std::string::npos);
-  EXPECT_NE(html({}).find("K 100 N/m is stable"), std::string::npos);
-}
-
 TEST(StiffnessChart, ItsTableHasALineForEachRateAndDelay) {
   const StiffnessChart chart =
       test::made(stiffness_chart(charted_device(0.1, 0.5, {}), {500.0, 0.0}, 1000.0));

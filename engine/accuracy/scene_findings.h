@@ -1,12 +1,11 @@
 #pragma once
 
-// The results for a user's own scene: a section of the report, a table and a text.
+// The results for a user's own scene, as a table and as a text.
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "engine/accuracy/report_section.h"
 #include "engine/accuracy/scene_accuracy.h"
 #include "engine/accuracy/surface_couplings.h"
 
@@ -41,8 +40,6 @@ struct ComparedTexts {
 };
 ComparedTexts passivity_texts(const CouplingVerdict& verdict);
 ComparedTexts stability_texts(const CouplingVerdict& verdict);
-
-ReportSection scene_section(const SceneFindings& findings);
 
 // A table of the presets, the trials and the limits as CSV. Each line has the fields
 // "what,name,quantity,value,unit".
