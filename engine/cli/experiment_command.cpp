@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "engine/analysis/canonical_merge.h"
-#include "engine/analysis/experiment_report.h"
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_line.h"
@@ -21,9 +20,12 @@
 #include "engine/cli/experiment_power.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/cli/python_page.h"
 #include "engine/cli/run_progress.h"
 #include "engine/cli/sweep_command.h"
+#include "engine/report/output_files.h"
 #include "engine/report/whole_file.h"
+#include "engine/trials/as_printed.h"
 #include "engine/trials/canonical/canonical_plan.h"
 #include "engine/trials/canonical/canonical_rows.h"
 #include "engine/trials/canonical/canonical_run.h"
@@ -36,6 +38,7 @@
 #include "engine/trials/shipped_files.h"
 #include "engine/trials/trial.h"
 #include "engine/trials/trials_file.h"
+#include "io/gltf/file.h"
 
 namespace palpate {
 namespace {
@@ -320,39 +323,43 @@ void add_merge(CLI::App& experiment, ExperimentMergeRequest& request) {
 }
 
 struct ExperimentAnalyseRequest {
-  TrialSource source;
+  std::string file;
+  double limit_s = 120.0;
   std::string out_dir = "analysis";
 };
 
-int analyse(const ExperimentAnalyseRequest& request) {
-  if (const auto error = check_not_canonical(request.source.file)) return refuse(*error);
-  auto rows = read_trials(request.source.file);
-  if (!rows) {
-    Error error = rows.error();
-    std::error_code failed;
-    const fs::path folder = request.source.file;
-    if (fs::is_directory(folder, failed)) {
-      error.hint = results_in(folder.string(), RunKind::kCanonical).empty()
-                       ? "name the file of trials in it, such as " + (folder / kTrialsFile).string()
-                       : (folder / kCanonicalPage).string() + " has the analysis of this run";
-    }
-    return refuse(error);
+constexpr std::array kAnalysisNames = {"report.html",       "analysis.json", "effects.csv",
+                                       "comparisons.csv",   "means.csv",     "missing_trials.csv",
+                                       "findings.csv",      "differences.csv"};
+
+// An error if there is no such file, or if it has other results than trials. The file becomes an
+// input, which no output replaces.
+std::optional<Error> check_trials_file(const std::string& file) {
+  const auto start = read_regular_file(file, kMostTrialsBytes, 1);
+  if (start) return check_not_canonical(file);
+  Error error = start.error();
+  std::error_code failed;
+  const fs::path folder = file;
+  if (fs::is_directory(folder, failed)) {
+    error.hint = results_in(folder.string(), RunKind::kCanonical).empty()
+                     ? "name the file of trials in it, such as " + (folder / kTrialsFile).string()
+                     : (folder / kCanonicalPage).string() + " has the analysis of this run";
   }
+  return error;
+}
+
+int analyse(const ExperimentAnalyseRequest& request) {
+  if (const auto error = check_trials_file(request.file)) return refuse(*error);
   if (const auto error = check_output()) return refuse(*error);
   // From here on a signal waits until the files are complete.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
-  auto analysed = report_trials(std::move(*rows), request.source, request.out_dir);
-  if (!analysed) return refuse(analysed.error());
-  {
-    const SignalPhaseScope not_now(SignalPhase::kDeferred);
-    if (signal_flag().requested()) {
-      std::cerr << "palpate: interrupted; nothing is written\n";
-      return exit_code_after_signals(0);
-    }
-    if (const auto error = analysed->files.move_into_place()) return refuse(*error);
-  }
-  std::cout << analysed->text;
-  return exit_code_after_signals(finish_output(analysed->warnings));
+  auto files = OutputFiles::create(request.out_dir, {kAnalysisNames.begin(), kAnalysisNames.end()});
+  if (!files) return refuse(files.error());
+  PageOutcome outcome = make_page({"experiment", "--trials=" + request.file,
+                                   "--limit=" + as_printed(request.limit_s)},
+                                  *files);
+  outcome.text += "report.html, analysis.json and 6 tables are in " + request.out_dir + "/\n";
+  return finish_page(outcome, *files);
 }
 
 void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
@@ -371,11 +378,11 @@ void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
       "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
       "(NoR, R),\nobject, status (done, timeout, fault), total_time_s, losses_of_contact and "
       "mean_penetration_m or\nmean_penetration_dm; mean_contact_angle_deg is optional.\n");
-  app.add_option("TRIALS", request.source.file,
+  app.add_option("TRIALS", request.file,
                  "file of trials, as `experiment run` writes it (trials.csv)")
       ->required();
   app.add_option("--out", request.out_dir, "folder of the results")->capture_default_str();
-  add_real(app, "--limit", request.source.limit_s, kAboveZero,
+  add_real(app, "--limit", request.limit_s, kAboveZero,
            "time limit of a trial, s: the time of a trial with the status timeout");
 }
 

@@ -20,7 +20,6 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/analysis/compare_results.h"
-#include "engine/analysis/experiment_report.h"
 #include "engine/analysis/strategy_report.h"
 #include "engine/trials/deal/experiment_merge.h"
 #include "engine/trials/deal/participant_run.h"
@@ -191,17 +190,6 @@ TEST(StrategyTrialsFile, RefusesAStrategyBesideHapticOrRotation) {
     EXPECT_NE(rows.error().to_string().find(problem), std::string::npos)
         << rows.error().to_string();
   }
-}
-
-TEST(StrategyTrialsFile, IsRefusedByTheAnalysisOfThePaper) {
-  const TemporaryFolder folder;
-  const auto analysed =
-      report_trials({row_with_strategy()}, {"trials.csv", 120.0}, folder.path("out"));
-  ASSERT_FALSE(analysed.ok());
-  const std::string line = analysed.error().to_string();
-  EXPECT_TRUE(line.starts_with("trials.csv: column strategy: is anisotropic:0.0625")) << line;
-  EXPECT_NE(line.find("palpate compare"), std::string::npos) << line;
-  EXPECT_FALSE(fs::exists(folder.path("out")));
 }
 
 // Comparisons with a stand-in for the trial.

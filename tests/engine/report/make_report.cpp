@@ -1,5 +1,5 @@
-// make_report accuracy|simulated|people FOLDER: writes a report of made-up data, for viewing and
-// for the tests in a browser.
+// make_report accuracy FOLDER: writes a report of made-up data, for viewing and for the tests in a
+// browser.
 
 #include <cstdio>
 #include <string>
@@ -14,9 +14,7 @@ struct Sample {
   bool (*write)(const std::string& folder);
 };
 
-constexpr Sample kSamples[] = {{"accuracy", palpate::test::write_accuracy_sample},
-                               {"simulated", palpate::test::write_simulated_sample},
-                               {"people", palpate::test::write_people_sample}};
+constexpr Sample kSamples[] = {{"accuracy", palpate::test::write_accuracy_sample}};
 
 }  // namespace
 
@@ -24,6 +22,6 @@ int main(int argc, char** argv) {
   for (const Sample& sample : kSamples) {
     if (argc == 3 && argv[1] == sample.name) return sample.write(argv[2]) ? 0 : 1;
   }
-  std::fprintf(stderr, "usage: make_report accuracy|simulated|people FOLDER\n");
+  std::fprintf(stderr, "usage: make_report accuracy FOLDER\n");
   return 2;
 }

@@ -161,3 +161,10 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     for row in rows:
         writer.writerow("" if cell is None else cell for cell in map(plain, row))
     return out.getvalue()
+
+
+def as_printed(value: float) -> str:
+    """The fewest digits that identify the number, as in the paper and in plans: "836.377", "25"."""
+    fixed = np.format_float_positional(value, trim="-")
+    scientific = np.format_float_scientific(value, trim="-")
+    return scientific if len(scientific) < len(fixed) else fixed

@@ -22,7 +22,7 @@ _ABSENT: dict[str, Cell] = {"following": "", "strategy": "", "trial": 0, "attemp
                             **AS_IN_PAPER}
 _KEY = ("following", "participant", "block", "haptic", "rotation", "strategy", "object", "attempt",
         "view", "align", "start_orientation_deg", "scale")
-_STILL = ("frozen",)  # followings whose display does not turn
+_STILL = ("adapts-0", "adapts-0.5", "adapts-1")  # followings whose display does not turn
 
 
 def columns() -> list[Column]:

@@ -1,0 +1,28 @@
+"""The statistics of the pages: what statsmodels and SciPy lack, on top of NumPy and SciPy.
+
+Arrays may have leading axes (`...`): each function then answers for every data set of a stack at
+once. A value that the data do not determine is NaN.
+"""
+
+from .comparisons import PairedT, fisher_plsd, holm, paired_t
+from .distributions import f_for_tail, f_tail, t_for_coverage, t_two_sided, z_for_coverage
+from .factorial import Design, DesignError, FixedEffect, Fit, Wilks, rao
+from .intervals import (
+    COVERAGE,
+    SIGNIFICANCE,
+    MeanInterval,
+    clopper_pearson,
+    cousineau_morey,
+    mean_interval,
+    wilson,
+)
+from .repeated import RepeatedEffect, RepeatedMeasures, repeated_measures, repeated_measures_of
+from .terms import Term, all_terms, effect_name
+
+__all__ = [
+    "COVERAGE", "SIGNIFICANCE", "Design", "DesignError", "Fit", "FixedEffect", "MeanInterval",
+    "PairedT", "RepeatedEffect", "RepeatedMeasures", "Term", "Wilks", "all_terms",
+    "clopper_pearson", "cousineau_morey", "effect_name", "f_for_tail", "f_tail", "fisher_plsd",
+    "holm", "mean_interval", "paired_t", "rao", "repeated_measures", "repeated_measures_of",
+    "t_for_coverage", "t_two_sided", "wilson", "z_for_coverage",
+]  # fmt: skip
