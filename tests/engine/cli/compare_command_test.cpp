@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iomanip>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/environment_variable.h"
 #include "tests/helpers/gltf_builder.h"
 
 namespace palpate {
@@ -43,6 +46,40 @@ class CompareCommandTest : public testing::Test {
     EXPECT_TRUE(o.err.starts_with("palpate: ") && o.err.ends_with("\n")) << o.err;
     for (const std::string& part : parts) EXPECT_NE(o.err.find(part), std::string::npos) << o.err;
     EXPECT_FALSE(fs::exists(folder.path("compare")));
+  }
+
+  // The means of a document, by measure and strategy, with nine digits.
+  static std::map<std::string, std::string> means_in(const std::string& json) {
+    std::map<std::string, std::string> means;
+    const Json parsed = Json::parse(json);
+    for (const Json& row : parsed["means"]) {
+      std::string key;
+      for (const char* const name :
+           {"following", "scene", "measure", "column", "unit", "better", "strategy", "role"}) {
+        key += row[name].get<std::string>() + ",";
+      }
+      means[key + row["hands"].dump()] =
+          row["mean"].is_null() ? "" : shown(row["mean"].get<double>());
+    }
+    return means;
+  }
+  // The same of means.csv.
+  std::map<std::string, std::string> measured_means() const {
+    std::map<std::string, std::string> means;
+    std::istringstream lines(content_of(folder.path("compare/means.csv")));
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+      const std::size_t last = line.rfind(',');
+      const std::string mean = line.substr(last + 1);
+      means[line.substr(0, last)] = mean.empty() ? "" : shown(std::stod(mean));
+    }
+    return means;
+  }
+  static std::string shown(double value) {
+    std::ostringstream text;
+    text << std::setprecision(9) << value;
+    return text.str();
   }
 
   TemporaryFolder folder;
@@ -98,7 +135,7 @@ TEST_F(CompareCommandTest, WritesAReportOfTheTrials) {
   EXPECT_NE(o.out.find("contact angle, deg"), std::string::npos) << o.out;
   for (const char* const name :
        {"plan.json", "report.html", "comparison.json", "means.csv", "strategies.csv",
-        "a4_losses.csv", "tuning.csv", "trials/trials.csv", "trials/run.json"}) {
+        "comparison.csv", "a4_losses.csv", "tuning.csv", "trials/trials.csv", "trials/run.json"}) {
     EXPECT_TRUE(fs::exists(folder.path(std::string("compare/") + name))) << name;
   }
   // The plan that was written gives the same trials.
@@ -112,6 +149,7 @@ TEST_F(CompareCommandTest, WritesAReportOfTheTrials) {
   EXPECT_NE(analyse.err.find("again/trials.csv: column strategy: is "), std::string::npos)
       << analyse.err;
   EXPECT_NE(analyse.err.find("palpate compare"), std::string::npos) << analyse.err;
+  EXPECT_FALSE(fs::exists(folder.path("analysis")));
   // A second call computes nothing, and prints the same as JSON.
   const std::string json = content_of(folder.path("compare/comparison.json"));
   const test::Outcome printed =
@@ -119,6 +157,7 @@ TEST_F(CompareCommandTest, WritesAReportOfTheTrials) {
   EXPECT_EQ(printed.exit_code, 0) << printed.err;
   EXPECT_EQ(printed.out, json);
   EXPECT_EQ(Json::parse(printed.out)["comparable"]["delayed"], true);
+  EXPECT_EQ(measured_means(), means_in(json));
 }
 
 // A person who hardly moves does not arrive within the limit.
@@ -133,6 +172,18 @@ TEST_F(CompareCommandTest, EndsWithThreeAndWritesAllTheSameIfTrialsAreNotComplet
             std::string::npos)
       << o.out;
   EXPECT_TRUE(fs::exists(folder.path("compare/report.html")));
+}
+
+TEST_F(CompareCommandTest, PrintsTheMeansAsJsonWithoutPython) {
+  const test::EnvironmentVariable python("PALPATE_PYTHON", "/nowhere/python3");
+  const test::Outcome o = call({"--hands", "2", "--strategies", "mask", "--json"});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_TRUE(o.err.starts_with("palpate: warning: the page is missing: /nowhere/python3"))
+      << o.err;
+  const Json json = Json::parse(o.out);
+  EXPECT_EQ(json["strategies"][0]["trials"], 2);
+  EXPECT_EQ(measured_means(), means_in(o.out));
+  EXPECT_FALSE(fs::exists(folder.path("compare/report.html")));
 }
 
 TEST_F(CompareCommandTest, ShardsInOneFolderAreOneComparison) {

@@ -125,7 +125,7 @@ def _pairs(by_levels: Array, levels: dict[str, list[str]]) -> pd.DataFrame:
         [{"family": family, "pair": pair, **asdict(test)} for family, pair, test in rows],
         columns=columns,
     )
-    p_holm = [holm(group) for _, group in pairs.groupby("family", sort=False)["p"]]
+    p_holm = [holm(group) for _, group in pairs.groupby("family", sort=False, observed=True)["p"]]
     return pairs.assign(p_holm=np.concatenate([*p_holm, np.empty(0)]))
 
 

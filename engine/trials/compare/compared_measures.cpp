@@ -1,4 +1,4 @@
-#include "engine/analysis/compared_measures.h"
+#include "engine/trials/compare/compared_measures.h"
 
 #include <algorithm>
 #include <array>

@@ -36,9 +36,4 @@ std::span<const ComparedMeasure> compared_measures();
 // 0. Any other measure has no value unless the trial was completed.
 std::optional<double> compared_value(const ComparedMeasure& measure, const TrialRow& row);
 
-// A difference of means in which the first is better than the second.
-inline bool is_better_difference(double difference) {
-  return difference < 0.0;
-}
-
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// Plans with strategies and their files, and comparisons as a whole: jobs, shards, reports.
+// Plans with strategies and their files, and comparisons as a whole: jobs, shards, means.
 
 #include "engine/trials/compare/compare_run.h"
 
@@ -19,8 +19,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "engine/analysis/compare_results.h"
-#include "engine/analysis/strategy_report.h"
+#include "engine/trials/compare/compare_means.h"
+#include "engine/trials/compare/compared_measures.h"
 #include "engine/trials/deal/experiment_merge.h"
 #include "engine/trials/deal/participant_run.h"
 #include "engine/trials/trials_file.h"
@@ -48,7 +48,7 @@ std::string bytes_of(const fs::path& path) {
 }
 
 // Every file of a comparison that must not depend on jobs and shards, by name: the results of both
-// runs and the report.
+// runs and the means.
 std::map<std::string, std::string> results_of(const std::string& folder) {
   std::map<std::string, std::string> files;
   for (const CompareHands hands : {CompareHands::kCompared, CompareHands::kTuning}) {
@@ -57,7 +57,7 @@ std::map<std::string, std::string> results_of(const std::string& folder) {
       files[(trials.filename() / name).string()] = bytes_of(trials / name);
     }
   }
-  for (const std::string& name : comparison_report_names()) {
+  for (const char* name : {kMeansFile, kStrategiesFile}) {
     files[name] = bytes_of(fs::path(folder) / name);
   }
   for (const auto& [name, bytes] : files) EXPECT_FALSE(bytes.empty()) << name;
@@ -65,7 +65,7 @@ std::map<std::string, std::string> results_of(const std::string& folder) {
 }
 
 struct WholeComparison : CompareOutcome {
-  std::vector<FollowingComparison> followings;  // empty: a shard
+  std::vector<StrategyMeans> followings;  // empty: a shard
 };
 
 WholeComparison compare_into(const std::string& folder, const CompareSettings& settings,
@@ -76,13 +76,11 @@ WholeComparison compare_into(const std::string& folder, const CompareSettings& s
   if (!outcome) return {};
   WholeComparison whole{std::move(*outcome), {}};
   if (!shard) {
-    auto followings = compare_results(settings, folder);
+    auto followings = compare_means(settings, folder);
     EXPECT_TRUE(followings.ok()) << followings.error().to_string();
     if (followings) whole.followings = std::move(*followings);
-    auto files = OutputFiles::create(folder, comparison_report_names());
-    EXPECT_TRUE(files.ok());
-    EXPECT_FALSE(write_comparison_report(settings, whole.followings, *files).has_value());
-    EXPECT_FALSE(files->move_into_place().has_value());
+    std::ofstream(fs::path(folder) / kMeansFile) << means_csv(whole.followings);
+    std::ofstream(fs::path(folder) / kStrategiesFile) << strategies_csv(whole.followings);
   }
   return whole;
 }
@@ -203,13 +201,10 @@ TEST(Comparison, RunsEveryHandOnceWithEachStrategyOnEachScene) {
   EXPECT_EQ(outcome.runs[1].merged->trials, 5u * 2u * 6u);
   ASSERT_EQ(outcome.followings.size(), 1u);
   EXPECT_EQ(outcome.followings[0].hands, 5);
-  EXPECT_EQ(outcome.followings[0].outcomes.size(), 9u);
-  for (const StrategyOutcome& each : outcome.followings[0].outcomes) {
-    EXPECT_EQ(each.counts.trials, 10) << each.strategy;
-  }
-  const auto json = Json::parse(bytes_of(folder.path("out/comparison.json")));
-  EXPECT_EQ(json["means"].size(), 3u * 17u * 10u);
-  EXPECT_EQ(json["tuning"].size(), 3u * 17u * 6u);
+  ASSERT_EQ(outcome.followings[0].strategies.size(), 3u);
+  for (const StrategyCounts& counts : outcome.followings[0].counts) EXPECT_EQ(counts.trials, 10);
+  const std::string means = bytes_of(folder.path("out/means.csv"));
+  EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 1 + 3 * 17 * 3);
 }
 
 TEST(Comparison, GivesTheSameBytesWithAnyNumberOfJobs) {
@@ -235,7 +230,7 @@ TEST(Comparison, ShardsInOneFolderGiveTheSameBytes) {
     for (const int number : numbers) {
       const auto outcome = compare_into(folder.path("out"), tuned_settings(), Shard{number, count});
       EXPECT_TRUE(outcome.followings.empty());
-      EXPECT_FALSE(fs::exists(folder.path("out/report.html")));
+      EXPECT_FALSE(fs::exists(folder.path("out/means.csv")));
     }
     const WholeComparison whole = compare_into(folder.path("out"), tuned_settings());
     for (const ExperimentRunOutcome& run : whole.runs) {
@@ -255,15 +250,6 @@ TEST(Comparison, OfAllFollowingsComparesEach) {
   EXPECT_EQ(outcome.followings[3].following, "frozen");
   EXPECT_EQ(outcome.runs.size(), 1u) << "nothing is tuned";
   EXPECT_FALSE(fs::exists(folder.path("out/tuning")));
-}
-
-TEST(Comparison, SaysThatTheHandsAreSimulated) {
-  const std::string& page = reference().at("report.html");
-  EXPECT_NE(page.find("The hands are simulated: the intervals speak of seeds and of the ranges in "
-                      "the operator file, not of people."),
-            std::string::npos);
-  EXPECT_EQ(page.find("<script"), std::string::npos);
-  EXPECT_EQ(page.find("http"), std::string::npos);
 }
 
 // A strategy that a scene does not accept is refused by name before any trial, and nothing is
@@ -317,6 +303,19 @@ TEST(StrategyTrial, OfTheFirstFourIsTheTrialOfForceAndA4) {
   }
 }
 
+// The differences between a4 and mask of each hand, over the scenes; a sample of 20.
+std::vector<double> differences(const std::vector<TrialRow>& rows, const ComparedMeasure& measure) {
+  std::map<std::string, double> sums;  // by hand
+  for (const TrialRow& row : rows) {
+    const auto value = compared_value(measure, row);
+    EXPECT_TRUE(value.has_value()) << row.participant;
+    sums[row.participant] += (row.strategy == "a4" ? 1.0 : -1.0) * value.value_or(0.0);
+  }
+  std::vector<double> values;
+  for (const auto& [hand, sum] : sums) values.push_back(sum);
+  return values;
+}
+
 // What the issue of strategies asserts of A4. All else is reported as it comes.
 TEST(Comparison, OfThePapersObjectsFindsALowerAngleAndPenetrationWithA4ThanWithMask) {
   CompareSettings settings = settings_of("mask,a4", 20);
@@ -328,12 +327,19 @@ TEST(Comparison, OfThePapersObjectsFindsALowerAngleAndPenetrationWithA4ThanWithM
       compare_into(folder.path("out"), settings, {}, 2, {find_trial_way, run_trial});
   ASSERT_EQ(outcome.followings.size(), 1u);
   EXPECT_TRUE(outcome.followings[0].incomplete().empty());
-  for (const MeasureComparison& comparison : outcome.followings[0].scenes[0].measures) {
-    const std::string_view column = comparison.measure->column;
-    if (column != "mean_contact_angle_deg" && column != "mean_penetration_m") continue;
-    const MeanInterval& difference = *comparison.entries[1].minus_mask;
-    EXPECT_LT(difference.mean, 0.0) << column;
-    EXPECT_TRUE(difference.excludes_zero()) << column;
+  const auto rows = read_trials(folder.path("out/trials/trials.csv"));
+  ASSERT_TRUE(rows.ok());
+  for (const ComparedMeasure& measure : compared_measures()) {
+    if (measure.column != "mean_contact_angle_deg" && measure.column != "mean_penetration_m") {
+      continue;
+    }
+    const std::vector<double> of_hands = differences(*rows, measure);
+    ASSERT_EQ(of_hands.size(), 20u);
+    const double mean = std::accumulate(of_hands.begin(), of_hands.end(), 0.0) / 20.0;
+    double squares = 0.0;
+    for (const double value : of_hands) squares += (value - mean) * (value - mean);
+    constexpr double kT19 = 2.093024;  // Student's t with P(|T| > t) = 0.05
+    EXPECT_LT(mean, -kT19 * std::sqrt(squares / 19.0 / 20.0)) << measure.column;
   }
 }
 
