@@ -45,6 +45,7 @@ constexpr NumberRange kWallDelay_s{0.0, ServoTiming::kMostDelayTicks / 32e3};
 struct AccuracyRequest {
   SceneOptions scene;  // an empty path: no scene
   RunSettings settings;
+  bool asks_rate = false;          // --rate was given
   double delay_s = 0.0;            // from a sample of the device to its force; 0: none
   std::vector<std::string> knobs;  // only these knobs; empty: all
   bool quick = false;
@@ -353,6 +354,7 @@ int accuracy(const AccuracyRequest& command) {
   const std::vector<KnobResult> results = measure_all(*knobs, effort);
   const auto advice =
       advise({results, findings ? &*findings : nullptr, setup->device, setup->haptics.coupling,
+              command.asks_rate ? std::optional(command.settings.rate_Hz) : std::nullopt,
               options_of_run(command.scene), program_name()});
   if (!advice) return refuse(advice.error());
   const auto chart =
@@ -377,9 +379,13 @@ int accuracy(const AccuracyRequest& command) {
 class AccuracyCommand final : public Command {
  public:
   CLI::App* add_to(CLI::App& program) override;
-  int run(const std::vector<std::string>&) override { return accuracy(request_); }
+  int run(const std::vector<std::string>&) override {
+    request_.asks_rate = app_->get_option("--rate")->count() > 0;
+    return accuracy(request_);
+  }
 
  private:
+  CLI::App* app_ = nullptr;
   AccuracyRequest request_;
 };
 
@@ -387,6 +393,7 @@ CLI::App* AccuracyCommand::add_to(CLI::App& program) {
   CLI::App& app = *program.add_subcommand(
       "accuracy",
       "measure what accuracy costs in time, and recommend settings for a device and a scene");
+  app_ = &app;
   set_help(app, "  ./run.sh accuracy models/star.glb --quick --knob a4_step --out report\n");
   add_scene(app, request_.scene, false);
   app.add_flag("--quick", request_.quick,
@@ -407,7 +414,7 @@ CLI::App* AccuracyCommand::add_to(CLI::App& program) {
   const auto of_scene = [&](const char* name, const std::string& help) {
     add_setting(app, run_setting(name), run, help)->needs(scene)->group(kSceneOptionsGroup);
   };
-  of_scene("--rate", "servo rate, Hz");
+  of_scene("--rate", "servo rate, Hz; if given, the advice is for this rate");
   of_scene("--stiffness", "coupling spring of surfaces without their own, N/m");
   of_scene("--damping", "coupling damper of surfaces without their own, N s/m");
   of_scene("--radius", help_of(run_setting("--radius")));

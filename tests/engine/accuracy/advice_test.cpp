@@ -12,6 +12,7 @@
 #include "engine/accuracy/knobs.h"
 #include "engine/accuracy/recommendation.h"
 #include "engine/devices/light_device.h"
+#include "tests/helpers/made.h"
 
 namespace palpate {
 namespace {
@@ -172,7 +173,8 @@ TEST(Advice, TheBoxReconcilesTheMeshOfASceneWithTheSmoothSphere) {
     ASSERT_TRUE(advice.ok());
     const std::string box = box_of(*advice);
     EXPECT_TRUE(says(box, "For this device and this scene"));
-    EXPECT_TRUE(says(box, "This machine keeps up to 8 kHz with this scene."));
+    EXPECT_TRUE(
+        says(box, "This machine: keeps up to 8 kHz\nIt keeps this rate with this scene.\n"));
     EXPECT_TRUE(says(box, is_quicker ? "Mesh: 5120 triangles instead of 20480 triangles\n"
                                      : "Mesh: 20480 triangles, as in the file\n"))
         << box;
@@ -208,15 +210,53 @@ TEST(Advice, SettingsThatWereNotMeasuredStayAtTheDefault) {
 
 // ---- decisions ---------------------------------------------------------------------------------
 
-TEST(Advice, TheMachineLimitsTheRate) {
+// A slow machine, or a busy one, changes no answer; what it keeps is said beside them.
+TEST(Advice, WhatTheMachineKeepsIsAnAnswerOfItsOwn) {
   const std::vector<KnobResult> results = all_results();
-  const SceneFindings scene = findings(1000.0);
+  const SceneFindings fast = findings(8000.0), slow = findings(857.0), none = findings(0.0);
   AdviceInput input = input_of(results);
+  input.device.encoder_quantum_m = 0.0;
+  input.scene = &fast;
+  const Advice on_fast = test::made(advise(input));
+  EXPECT_EQ(on_fast.rate_Hz, 2000.0);
+  input.scene = &slow;
+  const Advice on_slow = test::made(advise(input));
+  EXPECT_EQ(on_slow.command, on_fast.command);
+  const Answer& machine = answer_of(on_slow, "This machine");
+  EXPECT_EQ(machine.value, "keeps up to 857 Hz, less than 2 kHz");
+  // 2 b / T at 850 Hz, and the same in the terminal.
+  EXPECT_EQ(machine.reason,
+            "At 2 kHz it misses deadlines with this scene. For this machine take --rate 850 "
+            "--stiffness 850 --damping 0.");
+  EXPECT_TRUE(says(advice_text(on_slow), "Rate             2 kHz\n")) << advice_text(on_slow);
+  EXPECT_TRUE(says(advice_text(on_slow), "keeps up to 857 Hz, less than 2 kHz\n"));
+  input.scene = &none;
+  EXPECT_EQ(answer_of(*advise(input), "This machine").value, "keeps none of the rates tried");
+  EXPECT_EQ(advise(input)->command, on_fast.command);
+}
+
+TEST(Advice, TheRateAskedForIsAnswered) {
+  const std::vector<KnobResult> results = all_results();
+  const SceneFindings scene = findings(857.0);
+  AdviceInput input = input_of(results);
+  input.device.encoder_quantum_m = 0.0;
   input.scene = &scene;
-  const auto advice = advise(input);
-  ASSERT_TRUE(advice.ok());
-  EXPECT_EQ(advice->rate_Hz, 1000.0);
-  EXPECT_TRUE(says(answer_of(*advice, "Rate").reason, "2 kHz would be better"));
+  input.rate_Hz = 500.0;
+  const Advice slower = test::made(advise(input));
+  EXPECT_EQ(answer_of(slower, "Rate").value, "500 Hz");
+  EXPECT_TRUE(says(answer_of(slower, "Rate").reason,
+                   "The value given; the knobs recommend 2 kHz. There: The path of a device"));
+  EXPECT_EQ(slower.coupling.stiffness_N_per_m, 500.0) << "2 b / T at 500 Hz";
+  EXPECT_EQ(answer_of(slower, "This machine").reason, "It keeps this rate with this scene.");
+  EXPECT_TRUE(says(command_line(slower), "--rate 500 --stiffness 500"));
+  input.rate_Hz = 2000.0;
+  const Advice same = test::made(advise(input));
+  EXPECT_EQ(answer_of(same, "Rate").value, "2 kHz");
+  EXPECT_TRUE(says(answer_of(same, "Rate").reason, "The path of a device"));
+  EXPECT_FALSE(says(answer_of(same, "Rate").reason, "The value given"));
+  input.results = {};
+  EXPECT_EQ(answer_of(*advise(input), "Rate").reason,
+            "The value given; the knobs servo_rate and servo_pressed were not measured.");
 }
 
 // 2 (b - B) / T at 1 kHz, and 2 f_c / D.
