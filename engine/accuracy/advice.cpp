@@ -74,6 +74,7 @@ std::string servo_sentence(const KnobResult& result) {
          " the " + bound + " that people notice.";
 }
 
+// The rate asked for, or else the one that the knobs recommend.
 Answer rate_answer(const AdviceInput& input, Advice& advice) {
   Answer answer{"Rate", "", "", ""};
   const KnobResult* deciding = nullptr;
@@ -81,27 +82,20 @@ Answer rate_answer(const AdviceInput& input, Advice& advice) {
     const KnobResult* result = measured_knob(input, name);
     if (result && (!deciding || rate_of(*result) > rate_of(*deciding))) deciding = result;
   }
-  const double wanted_Hz = deciding ? rate_of(*deciding) : light_device().rate_Hz;
-  advice.rate_Hz = wanted_Hz;
-  if (deciding) {
-    answer.reason = servo_sentence(*deciding);
-  } else {
-    answer.reason = "The default; the knobs servo_rate and servo_pressed were not measured.";
-  }
-  if (!input.scene) {
-    answer.limit = "The rates that this machine keeps were not measured; give a SCENE.";
-  } else if (const KeptRate& kept = input.scene->measured.kept_rate; !(kept.rate_Hz() > 0.0)) {
-    answer.limit = "This machine kept none of the rates tried with this scene.";
-  } else {
-    const double most_Hz = kept.rate_Hz();
-    answer.limit = "This machine keeps up to " + human(most_Hz, "Hz") + " with this scene.";
-    if (most_Hz < wanted_Hz) {
-      advice.rate_Hz = rounded_down(most_Hz);
-      answer.reason = "The highest rate that this machine keeps with this scene; " +
-                      human(wanted_Hz, "Hz") + " would be better.";
-    }
-  }
+  const double best_Hz = deciding ? rate_of(*deciding) : light_device().rate_Hz;
+  advice.rate_Hz = input.rate_Hz.value_or(best_Hz);
   answer.value = human(advice.rate_Hz, "Hz");
+  if (!deciding) {
+    answer.reason = std::string(input.rate_Hz ? "The value given" : "The default") +
+                    "; the knobs servo_rate and servo_pressed were not measured.";
+  } else if (advice.rate_Hz != best_Hz) {
+    answer.reason = "The value given; the knobs recommend " + human(best_Hz, "Hz") +
+                    ". There: " + servo_sentence(*deciding);
+  } else {
+    answer.reason = servo_sentence(*deciding);
+  }
+  answer.limit = input.scene ? "The next answer is what this machine keeps with this scene."
+                             : "The rates that this machine keeps were not measured; give a SCENE.";
   return answer;
 }
 
@@ -236,6 +230,31 @@ Answer stiffness_answer(const AdviceInput& input, const ChosenCoupling& c, doubl
   }
   answer.limit =
       bound_sentence(c) + motors_sentence(input, c, rate_Hz) + stiff_surfaces(input, rate_Hz);
+  return answer;
+}
+
+// What this machine keeps, with the stiffest wall at that rate; it changes none of the settings.
+Result<Answer> machine_answer(const AdviceInput& input, double rate_Hz) {
+  const KeptRate& kept = input.scene->measured.kept_rate;
+  Answer answer{"This machine", "", "", "It depends on the other load of this machine."};
+  if (!(kept.rate_Hz() > 0.0)) {
+    answer.value = "keeps none of the rates tried";
+    answer.reason = "At " + human(rate_Hz, "Hz") + " it misses deadlines with this scene.";
+    return answer;
+  }
+  answer.value = "keeps up to " + human(kept.rate_Hz(), "Hz");
+  if (kept.rate_Hz() >= rate_Hz) {
+    answer.reason = "It keeps this rate with this scene.";
+    return answer;
+  }
+  const double kept_Hz = rounded_down(kept.rate_Hz());
+  const auto coupling = choose_coupling(input, kept_Hz);
+  if (!coupling) return coupling.error();
+  answer.value += ", less than " + human(rate_Hz, "Hz");
+  answer.reason = "At " + human(rate_Hz, "Hz") + " it misses deadlines with this scene. For this " +
+                  "machine take --rate " + shortest_digits(kept_Hz) + " --stiffness " +
+                  shortest_digits(coupling->stiffness_N_per_m) + " --damping " +
+                  shortest_digits(coupling->damping_Ns_per_m) + ".";
   return answer;
 }
 
@@ -490,6 +509,11 @@ Result<Advice> advise(const AdviceInput& input) {
   advice.subject = input.scene ? "For this device and this scene" : "For this device";
   advice.device = mechanics_text(input.device);
   advice.answers.push_back(rate_answer(input, advice));
+  if (input.scene) {
+    const auto machine = machine_answer(input, advice.rate_Hz);
+    if (!machine) return machine.error();
+    advice.answers.push_back(*machine);
+  }
   const auto coupling = choose_coupling(input, advice.rate_Hz);
   if (!coupling) return coupling.error();
   advice.coupling.stiffness_N_per_m = coupling->stiffness_N_per_m;

@@ -1,12 +1,11 @@
 #pragma once
 
-// The results for a user's own scene: a section of the report, a table and a text.
+// The results for a user's own scene, as a table and as a text.
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "engine/accuracy/report_section.h"
 #include "engine/accuracy/scene_accuracy.h"
 #include "engine/accuracy/surface_couplings.h"
 
@@ -34,7 +33,13 @@ std::string mechanics_text(const DeviceDescription& device);
 // "delay at most 3.1 ms" or "without delay": the delay of the limits, wall_delay_s().
 std::string delay_text(const DeviceDescription& device);
 
-ReportSection scene_section(const SceneFindings& findings);
+// A stiffness and its limit as texts, with as many digits as keep them in the order of the numbers.
+struct ComparedTexts {
+  std::string stiffness;
+  std::string limit;
+};
+ComparedTexts passivity_texts(const CouplingVerdict& verdict);
+ComparedTexts stability_texts(const CouplingVerdict& verdict);
 
 // A table of the presets, the trials and the limits as CSV. Each line has the fields
 // "what,name,quantity,value,unit".
