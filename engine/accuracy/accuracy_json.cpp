@@ -43,6 +43,7 @@ Json advice_json(const Advice& advice) {
   for (const std::string& word : command_words(advice)) words.push_back(printable(word));
   return {{"subject", advice.subject},
           {"device", advice.device},
+          {"busy", advice.busy},
           {"answers", answers},
           {"command", words}};
 }

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/accuracy/machine_load.h"
 #include "engine/accuracy/percent.h"
 #include "engine/accuracy/recommendation.h"
 #include "engine/devices/light_device.h"
@@ -463,6 +464,18 @@ Answer mesh_answer(const AdviceInput& input) {
   return answer;
 }
 
+// ---- the machine -------------------------------------------------------------------------------
+
+std::string busy_sentence(double others_cores) {
+  if (others_cores < kBusyCores) return "";
+  const int cores = machine_cores();
+  return "This machine was busy: other programs used " + short_number(others_cores) + " of its " +
+         std::to_string(cores) + (cores == 1 ? " core" : " cores") +
+         " meanwhile. Times are longer and rates lower than on an idle one; measure again on an "
+         "idle "
+         "one.";
+}
+
 // ---- command -----------------------------------------------------------------------------------
 
 std::vector<std::string> command_of(const AdviceInput& input, const Advice& advice) {
@@ -508,6 +521,7 @@ Result<Advice> advise(const AdviceInput& input) {
   Advice advice;
   advice.subject = input.scene ? "For this device and this scene" : "For this device";
   advice.device = mechanics_text(input.device);
+  advice.busy = busy_sentence(input.others_cores);
   advice.answers.push_back(rate_answer(input, advice));
   if (input.scene) {
     const auto machine = machine_answer(input, advice.rate_Hz);
@@ -544,6 +558,7 @@ std::string advice_text(const Advice& advice) {
   for (const Answer& answer : advice.answers) width = std::max(width, answer.setting.size());
   std::ostringstream text;
   text << advice.subject << " (" << advice.device << "):\n";
+  if (!advice.busy.empty()) text << "  " << advice.busy << "\n";
   for (const Answer& answer : advice.answers) {
     text << "  " << answer.setting << std::string(width + 2 - answer.setting.size(), ' ')
          << answer.value << "\n";

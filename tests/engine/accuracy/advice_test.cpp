@@ -235,6 +235,17 @@ TEST(Advice, WhatTheMachineKeepsIsAnAnswerOfItsOwn) {
   EXPECT_EQ(advise(input)->command, on_fast.command);
 }
 
+TEST(Advice, ABusyMachineIsSaidInBoxAndTerminal) {
+  AdviceInput input = input_of({});
+  EXPECT_EQ(advise(input)->busy, "");
+  EXPECT_FALSE(says(advice_text(*advise(input)), "busy"));
+  input.others_cores = 1.34;
+  const Advice advice = test::made(advise(input));
+  EXPECT_TRUE(says(advice.busy, "This machine was busy: other programs used 1.34 of its "));
+  EXPECT_TRUE(
+      says(advice_text(advice), "):\n  This machine was busy: other programs used 1.34 of "));
+}
+
 TEST(Advice, TheRateAskedForIsAnswered) {
   const std::vector<KnobResult> results = all_results();
   const SceneFindings scene = findings(857.0);

@@ -204,6 +204,12 @@ def test_the_page_begins_with_the_advice_and_ends_with_the_facts(sample):
     assert "palpate run models/sphere.glb --fit auto --virtual" in "\n".join(visible_text(box))
 
 
+def test_the_box_says_whether_the_machine_was_busy(sample, tmp_path):
+    assert "busy" not in "\n".join(visible_text(sample[0]["report.html"]))
+    page = page_of(tmp_path, "sample", lambda content: content["advice"].update(busy="It was busy."))
+    assert page.index('id="advice"') < page.index("It was busy.") < page.index("</section>")
+
+
 def test_the_page_says_whether_the_delay_is_stated(sample, gallery):
     assert "No delay is stated" in sample[0]["report.html"]
     assert "No delay is stated" not in gallery["report.html"]
