@@ -33,6 +33,28 @@ const KnobResult* measured_knob(const AdviceInput& input, const std::string& nam
   return nullptr;
 }
 
+// Why a setting stays as it is, if none of these knobs recommends a level: they were not measured,
+// or the spread is wider than the effect. `stays`: "The default".
+bool is_undecided(const AdviceInput& input, const std::string& name) {
+  return std::any_of(input.results.begin(), input.results.end(), [&](const KnobResult& result) {
+    return result.knob.name == name && result.undecided;
+  });
+}
+std::string why_unchanged(const AdviceInput& input, const std::string& stays,
+                          const std::vector<std::string>& names) {
+  std::string all, undecided;
+  for (const std::string& name : names) {
+    all += (all.empty() ? "" : " and ") + name;
+    if (is_undecided(input, name)) undecided += (undecided.empty() ? "" : " and ") + name;
+  }
+  if (!undecided.empty()) {
+    return stays + ": the effect of " + undecided +
+           " is smaller than the spread of the repeats; measure again on an idle machine.";
+  }
+  return stays + "; the knob" + (names.size() == 1 ? " " : "s ") + all +
+         (names.size() == 1 ? " was" : " were") + " not measured.";
+}
+
 const LevelResult& chosen(const KnobResult& result) {
   return result.methods[result.recommended->method].levels[result.recommended->level];
 }
@@ -87,8 +109,8 @@ Answer rate_answer(const AdviceInput& input, Advice& advice) {
   advice.rate_Hz = input.rate_Hz.value_or(best_Hz);
   answer.value = human(advice.rate_Hz, "Hz");
   if (!deciding) {
-    answer.reason = std::string(input.rate_Hz ? "The value given" : "The default") +
-                    "; the knobs servo_rate and servo_pressed were not measured.";
+    answer.reason = why_unchanged(input, input.rate_Hz ? "The value given" : "The default",
+                                  {"servo_rate", "servo_pressed"});
   } else if (advice.rate_Hz != best_Hz) {
     answer.reason = "The value given; the knobs recommend " + human(best_Hz, "Hz") +
                     ". There: " + servo_sentence(*deciding);
@@ -387,7 +409,7 @@ Answer velocity_answer(const AdviceInput& input, Advice& advice) {
   velocity = {VelocityMethod::kDifference, 1, input.device.encoder_quantum_m};
   if (!total) {
     answer.value = "1 tick, difference";
-    answer.reason = "The default; the knob velocity_total was not measured.";
+    answer.reason = why_unchanged(input, "The default", {"velocity_total"});
   } else {
     const std::string& method = total->methods[total->recommended->method].name;
     const LevelResult& level = chosen(*total);
@@ -445,10 +467,12 @@ Answer mesh_answer(const AdviceInput& input) {
   }
   Answer answer{"Mesh", "as in the file", "", ""};
   if (!depth) {
-    answer.reason = "The default; the knobs mesh_depth and scene_resolution were not measured.";
+    answer.reason = why_unchanged(input, "The default", {"mesh_depth", "scene_resolution"});
     answer.limit = "More triangles than the shape needs cost time and memory alone.";
   } else if (input.scene) {
-    answer.reason = "The default; the scene's own mesh was not simplified.";
+    answer.reason = is_undecided(input, "scene_resolution")
+                        ? why_unchanged(input, "The default", {"scene_resolution"})
+                        : "The default; the scene's own mesh was not simplified.";
     answer.limit = "A" + smooth_sphere_clause(*depth) + " for a depth error within " +
                    human(depth->knob.enough, "m") + ".";
   } else {

@@ -290,7 +290,9 @@ Row row_of(const KnobResult& result) {
                                : "failed",
           level.was_measured() ? human(level.time.median, result.knob.time.unit) : "-",
           result.default_is_on_front() ? "yes" : "no, see report",
-          result.recommended ? place_text(result, *result.recommended) : "none",
+          result.recommended ? place_text(result, *result.recommended)
+          : result.undecided ? "none, see report"
+                             : "none",
           order_text(result)};
 }
 
