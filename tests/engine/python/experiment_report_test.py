@@ -17,7 +17,7 @@ from experiment_samples import (
 from page_text import tables_of, visible_text
 from palpate.analysis.errors import InputError
 from palpate.analysis.experiment import text as texts
-from palpate.analysis.experiment.findings import AGREES, DISAGREES, NOT_TESTABLE, VERDICTS
+from palpate.analysis.experiment.verdicts import AGREES, DISAGREES, NOT_TESTABLE, VERDICTS
 from palpate.analysis.experiment.outcomes import PAPER_OUTCOMES
 from palpate.analysis.experiment.paper import FINDINGS
 from palpate.analysis.experiment.tables import TABLES
@@ -26,7 +26,7 @@ from palpate.analysis.statistics import effect_name
 from sample_trials import SampleTrials, SeededRandom, sample_trials
 
 FILES = {"report.html", "analysis.json", "effects.csv", "comparisons.csv", "means.csv",
-         "missing_trials.csv", "findings.csv", "differences.csv"}  # fmt: skip
+         "missing_trials.csv", "findings.csv", "verdicts.csv", "differences.csv"}  # fmt: skip
 SIMULATED = SampleTrials(followings=ALL_FOLLOWINGS, has_timeouts=True)
 DIGITS = 1e-9  # of numbers in files
 
@@ -96,6 +96,7 @@ def test_each_row_of_a_table_is_named_once(people, tmp_path):
         "means": ["following", "of", "outcome", "haptic", "rotation", "object"],
         "missing_trials": ["following", "haptic", "rotation", "object"],
         "findings": ["following", "finding"],
+        "verdicts": ["following", "finding", "comparison"],
     }
     two = written(sample_trials(SampleTrials(followings=("delayed", "frozen"))), tmp_path)
     for report in (people, two):

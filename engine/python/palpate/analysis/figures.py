@@ -24,7 +24,7 @@ from palpate.analysis.errors import printable
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")  # so that a series is not told by its colour alone
 INK = "#0a0b0c"  # becomes currentColor
-GRID = "#808080"
+GRID, GRID_ALPHA = "#808080", 0.3  # a grey that is faint on both grounds
 
 _STYLE = {
     "axes.edgecolor": INK,
@@ -44,7 +44,7 @@ _STYLE = {
     "figure.facecolor": "none",
     "font.family": ["DejaVu Sans"],
     "font.size": 10,
-    "grid.alpha": 0.3,  # faint on both grounds; matplotlib 3.6 ignores the alpha of a colour here
+    "grid.alpha": GRID_ALPHA,
     "grid.color": GRID,
     "grid.linewidth": 0.6,
     "legend.fontsize": 9,

@@ -16,10 +16,11 @@ from palpate.analysis.numbers import number_or_dash
 from . import page_tables, plots, text
 from .analysis import ExperimentAnalysis, OperatorAnalysis
 from .experiments import ROTATION
-from .findings import VERDICTS, FindingResult
-from .outcomes import PENETRATION, TIME, Outcome
-from .paper import FINDINGS, MEANS
+from .findings import FindingResult
+from .outcomes import PAPER_OUTCOMES, PENETRATION, TIME, Outcome
+from .paper import FINDINGS, MEANS, equivalence_margin
 from .primary import Primary
+from .verdicts import NOT_TESTABLE, VERDICTS
 
 NOT_DRAWN = "figure: no participant has completed trials in all its conditions"
 
@@ -43,6 +44,10 @@ def report_page(
         has_adaptations=any(
             e.is_simulated and e.variant.view == "still" for e in analysis.experiments
         ),
+        margins=[
+            f"{o.name} {number_or_dash(equivalence_margin(o))} {o.unit}".rstrip()
+            for o in PAPER_OUTCOMES
+        ],
         facts=_facts(analysis, file, limit_s),
     )
     return html, warnings
@@ -60,7 +65,7 @@ def _answer(analysis: ExperimentAnalysis) -> dict[str, Any]:
         "findings": len(FINDINGS),
         "counts": text.verdict_counts_text(leading),
         "whose": leading.whose_trials,
-        "lists": [each for each in lists if each[0] != VERDICTS[2] or counts[VERDICTS[2]]],
+        "lists": [each for each in lists if each[0] != NOT_TESTABLE or counts[NOT_TESTABLE]],
         "columns": text.columns_text(analysis),
         "flips": [FINDINGS[i].name for i in differing],
         "are_followings": not (analysis.has_people or analysis.variants > 1),
@@ -84,12 +89,12 @@ def _lines(words: str) -> list[str]:
 
 
 def _result(result: FindingResult) -> dict[str, Any]:
-    differs = result.as_paper is not None and result.as_paper != result.verdict
+    papers = result.by_the_papers_test
     return {
         "verdict": result.verdict,
-        "kind": dict(zip(VERDICTS, ("good", "bad", "quiet")))[result.verdict],
+        "kind": dict(zip(VERDICTS, ("good", "bad", "warn", "quiet")))[result.verdict],
         "because": _lines(result.because),
-        "as_paper": result.as_paper if differs else None,
+        "as_paper": papers if papers != result.verdict else None,
     }
 
 

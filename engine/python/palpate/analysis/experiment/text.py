@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .analysis import ExperimentAnalysis, OperatorAnalysis
-from .findings import AGREES, DISAGREES, NOT_TESTABLE, VERDICTS
 from .paper import FINDINGS
+from .verdicts import AGREES, DISAGREES, NOT_TESTABLE, UNDECIDED, VERDICTS
 
 MOST_NAMES = 8
 
@@ -21,13 +21,13 @@ def verdict_counts(each: OperatorAnalysis) -> dict[str, int]:
 
 
 def verdict_counts_text(each: OperatorAnalysis) -> str:
-    """ "11 agree, 5 disagree, 1 not testable"."""
+    """ "11 agree, 3 disagree, 2 undecided, 1 not testable"."""
     counts = verdict_counts(each)
     return ", ".join(
         [
             counted(counts[AGREES], "agrees", "agree"),
             counted(counts[DISAGREES], "disagrees", "disagree"),
-            f"{counts[NOT_TESTABLE]} {NOT_TESTABLE}",
+            *(f"{counts[verdict]} {verdict}" for verdict in (UNDECIDED, NOT_TESTABLE)),
         ]
     )
 
