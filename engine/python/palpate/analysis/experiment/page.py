@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+import pandas as pd
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
@@ -69,17 +70,34 @@ def _answer(analysis: ExperimentAnalysis) -> dict[str, Any]:
         "columns": text.columns_text(analysis),
         "flips": [FINDINGS[i].name for i in differing],
         "are_followings": not (analysis.has_people or analysis.variants > 1),
+        "by_construction": [
+            (finding.name, reason) for finding, reason in text.built_so(analysis).items()
+        ],
+        "spread": _spread(analysis),
         "heads": [(e.name, e.is_simulated) for e in analysis.experiments],
         "rows": [
             {
                 "finding": finding,
                 "printed": _lines(finding.printed),
                 "flips": i in differing,
+                "is_built_so": finding in text.built_so(analysis),
                 "results": [_result(each.findings[i]) for each in analysis.operators],
             }
             for i, finding in enumerate(FINDINGS)
         ],
     }
+
+
+def _spread(analysis: ExperimentAnalysis) -> dict[str, Any] | None:
+    """The scatter of the first simulated persons, in mm by force; None without penetration."""
+    for each in analysis.operators:
+        primary = each.primary.get(PENETRATION)
+        if each.experiment.is_simulated and primary:
+            sds = pd.DataFrame(100.0 * primary.cells.mean(axis=2)).std()
+            by_force = zip(each.experiment.levels["Haptic"], sds)
+            words = [f"{level} {number_or_dash(sd)}" for level, sd in by_force]
+            return {"whose": each.experiment.name, "by_force": words}
+    return None
 
 
 def _lines(words: str) -> list[str]:

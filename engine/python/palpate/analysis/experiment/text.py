@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .analysis import ExperimentAnalysis, OperatorAnalysis
-from .paper import FINDINGS
+from .paper import FINDINGS, Finding, reason_by_construction
 from .verdicts import AGREES, DISAGREES, NOT_TESTABLE, UNDECIDED, VERDICTS
 
 MOST_NAMES = 8
@@ -39,6 +39,14 @@ def findings_with(each: OperatorAnalysis, verdict: str) -> list[tuple[str, str]]
     texts = [(finding.name, finding.statement) for finding in found if finding.outcome]
     effects = [finding.effect for finding in found if finding.outcome is None]
     return texts + ([("MANOVA", f"effects of {', '.join(effects)}")] if effects else [])
+
+
+def built_so(analysis: ExperimentAnalysis) -> dict[Finding, str]:
+    """The findings about which simulated persons are no evidence, and why; none for people."""
+    reasons = {finding: reason_by_construction(finding) for finding in FINDINGS}
+    if not analysis.has_simulated:
+        return {}
+    return {finding: reason for finding, reason in reasons.items() if reason}
 
 
 def columns_text(analysis: ExperimentAnalysis) -> str:
@@ -100,6 +108,9 @@ def terminal_text(analysis: ExperimentAnalysis) -> str:
         f"the paper's {len(FINDINGS)} findings, {leading.experiment.name}: "
         f"{verdict_counts_text(leading)}",
     ]
+    if built := built_so(analysis):
+        names = "; ".join(finding.name for finding in built)
+        lines.append(f"no evidence, because simulated persons are built so: {names}")
     for verdict in VERDICTS:
         for name, statement in findings_with(leading, verdict):
             lines.append(f"  {verdict:<14}{name}: {statement}")
