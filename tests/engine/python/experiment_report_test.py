@@ -321,8 +321,27 @@ def test_simulated_operators_are_named_and_people_are_not(simulated, people, tmp
     assert "imulated" not in people.text
     both = sample_trials(SampleTrials(followings=("delayed",))) + sample_trials()
     mixed = written(both, tmp_path)
-    assert "1440 trials of 10 people and simulated operators" in mixed.text
+    assert mixed.text.startswith(
+        "720 trials of 10 people; missing: none\n"
+        "720 trials of 10 simulated operators (delayed); missing: none\n"
+        "the paper's 17 findings, people: "
+    )
     assert "between followings" not in page_of(mixed)
+
+
+# People lead, and nothing pools the two.
+def test_people_lead_a_mixed_file(people, tmp_path):
+    simulated = sample_trials(SampleTrials(followings=("delayed",), effects=-1.0, participants=4))
+    mixed = written(simulated + sample_trials(), tmp_path)
+    sections = re.findall(r'<section class="operator" id="(\w+)"', page_of(mixed))
+    assert sections == ["people", "delayed"]
+    facts = dict(re.findall(r"<dt>([^<]+)</dt><dd>([^<]+)</dd>", page_of(mixed)))
+    assert facts["Trials, people"] == "720 (practice is left out)"
+    assert facts["Trials, simulated operators"] == "288 (practice is left out)"
+    for table in ("effects", "comparisons", "means", "missing_trials", "verdicts"):
+        of_people = where(rows_of(mixed, table), following="people")
+        assert of_people == rows_of(people, table)
+        assert {row["following"] for row in rows_of(mixed, table)} == {"people", "delayed"}
 
 
 def test_text_for_the_terminal_is_short_and_states_the_verdicts(simulated, simulated_analysis):

@@ -202,20 +202,21 @@ def _figure_7(
 
 
 def _facts(analysis: ExperimentAnalysis, file: str, limit_s: float) -> list[tuple[str, str]]:
-    is_several = analysis.variants > 1
+    facts = [("File", file)]
+    for kind, experiments in text.kinds(analysis):
+        is_simulated = experiments[0].is_simulated
+        of = f", {kind}" if len(text.kinds(analysis)) > 1 else ""
+        is_several = len({experiment.variant for experiment in experiments}) > 1
+        trials = f"{text.trials_text(experiments)} (practice is left out)"
+        names = "Followings" if not is_several else "Followings and settings"
+        facts += [
+            (f"Trials{of}", trials),
+            (f"Missing trials{of}", text.missing_text(experiments)),
+            (
+                "Operators" if is_simulated else "Participants",
+                str(text.most_participants(experiments)),
+            ),
+            (names, text.names_of(experiments) if is_simulated or is_several else ""),
+        ]
     blocks = len(analysis.experiments[0].levels["Trial"])
-    return [
-        ("File", file),
-        ("Trials", f"{text.all_trials(analysis)} (practice is left out)"),
-        ("Missing trials", text.missing_text(analysis)),
-        (
-            "Operators" if analysis.has_simulated else "Participants",
-            str(text.most_participants(analysis)),
-        ),
-        (
-            "Followings and settings" if is_several else "Followings",
-            text.names_of(analysis) if analysis.has_simulated or is_several else "",
-        ),
-        ("Blocks", str(blocks)),
-        ("Time limit", f"{number_or_dash(limit_s)} s"),
-    ]
+    return [*facts, ("Blocks", str(blocks)), ("Time limit", f"{number_or_dash(limit_s)} s")]
