@@ -113,12 +113,8 @@ Error with_compare_options(Error error) {
 
 // "palpate compare" again continues where this call stopped.
 int report_stopped_comparison(const CompareOutcome& outcome, const CompareRequest& request) {
-  std::size_t done = 0;
-  std::uint64_t kept_trials = 0;
-  for (const ExperimentRunOutcome& run : outcome.runs) {
-    done += run.computed.size() + run.kept.size();
-    kept_trials += run.trials_done;
-  }
+  const std::size_t done = outcome.run.computed.size() + outcome.run.kept.size();
+  const std::uint64_t kept_trials = outcome.run.trials_done;
   std::string text =
       "the trials of " + std::to_string(done) + " hands are complete in " + request.out_dir;
   if (kept_trials > 0) {
@@ -132,12 +128,12 @@ int report_stopped_comparison(const CompareOutcome& outcome, const CompareReques
 int report_shard(const CompareOutcome& outcome, const CompareRequest& request) {
   std::cout << "shard " << request.shard << " is complete in " << request.out_dir
             << "/; when all shards are there, the same command without --shard compares them\n";
-  return exit_code_after_signals(finish_output(outcome.runs.front().scene_warnings));
+  return exit_code_after_signals(finish_output(outcome.run.scene_warnings));
 }
 
 // The files that the page needs Python for; then those that are measured.
 const std::vector<std::string> kPageFiles = {"report.html", "comparison.json", "comparison.csv",
-                                             "a4_losses.csv", "tuning.csv"};
+                                             "a4_losses.csv"};
 
 std::vector<std::string> result_files() {
   std::vector<std::string> names = kPageFiles;
@@ -184,7 +180,6 @@ PageOutcome make_comparison_page(const CompareSettings& settings, const CompareR
   for (const std::string& scene : settings.scenes) {
     arguments.insert(arguments.end(), {"--scene", scene});
   }
-  if (settings.is_tuned) arguments.emplace_back("--tuned");
   if (request.json) arguments.emplace_back("--json");
   PageOutcome outcome = make_page(arguments, files);
   if (outcome.end != PageEnd::kMade) remove_page(files);
@@ -201,7 +196,7 @@ void print_results(const CompareSettings& settings, const std::vector<StrategyMe
     std::cout << (is_made ? page.text : means_text(settings, followings));
   }
   if (request.json) return;
-  std::cout << (is_made ? "report.html, comparison.json and 5 tables are in "
+  std::cout << (is_made ? "report.html, comparison.json and 4 tables are in "
                         : "means.csv and strategies.csv are in ")
             << request.out_dir << "/\n";
 }
@@ -235,15 +230,14 @@ int report_results(const CompareSettings& settings, const CompareOutcome& outcom
   const bool is_complete =
       std::all_of(followings->begin(), followings->end(),
                   [](const StrategyMeans& following) { return following.incomplete().empty(); });
-  const int code = finish_output(with_page_warnings(outcome.runs.front().scene_warnings, page));
+  const int code = finish_output(with_page_warnings(outcome.run.scene_warnings, page));
   return exit_code_after_signals(code == 0 && !is_complete ? kIncompleteTrials : code);
 }
 
 // The files that a comparison writes besides its trials. An input that is one of them is then
 // refused before the first trial.
 std::optional<Error> add_compare_outputs(const std::string& folder) {
-  std::vector<std::string> paths{compare_plan_path(folder, CompareHands::kCompared),
-                                 compare_plan_path(folder, CompareHands::kTuning)};
+  std::vector<std::string> paths{compare_plan_path(folder)};
   for (const std::string& name : result_files()) {
     paths.push_back((std::filesystem::path(folder) / name).string());
   }
@@ -275,7 +269,7 @@ int run_compare(const CompareRequest& request) {
         run_comparison(*settings, run, {find_trial_way, run_trial}, shown_in(bar), &signal_flag());
   }
   if (!outcome) return refuse(with_compare_options(outcome.error()));
-  if (!outcome->runs.back().not_done.empty()) return report_stopped_comparison(*outcome, request);
+  if (!outcome->run.not_done.empty()) return report_stopped_comparison(*outcome, request);
   if (run.shard) return report_shard(*outcome, request);
   return report_results(*settings, *outcome, request);
 }
@@ -347,11 +341,9 @@ CLI::App* CompareCommand::add_to(CLI::App& program) {
       "random numbers.\nDIR/report.html states which technique is best by which measure, and "
       "where A4 loses;\ncomparison.json and CSV files have all numbers. DIR/plan.json is the plan, "
       "DIR/trials has the\ntrials. Another comparison in DIR is replaced. If the command "
-      "is interrupted, the same command\ncomputes the missing trials only. `anisotropic` tries six "
-      "values of E on other "
-      "hands, and takes for\neach measure the best one.\nExit code 3: fewer than 90 % of a "
-      "strategy's "
-      "trials ended at the red sphere.\n");
+      "is interrupted, the same command\ncomputes the missing trials only. `anisotropic` stands "
+      "for six values of E, each with\na column of its own; no strategy is tuned.\n"
+      "Exit code 3: fewer than 90 % of a strategy's trials ended at the red sphere.\n");
   add_scenes(app);
   add_settings(app, request_.options, SettingGroup::kDevice);
   remove_options(app, {"--force", "--strategy"});

@@ -248,12 +248,11 @@ StrategyMeans strategy_means(const std::vector<TrialRow>& rows, const std::strin
 
 Result<std::vector<StrategyMeans>> compare_means(const CompareSettings& settings,
                                                  const std::string& folder) {
-  const auto plan = compare_plan(settings, CompareHands::kCompared);
+  const auto plan = compare_plan(settings);
   if (!plan) return plan.error();
   const OwnResultsScope own;
-  const auto rows = read_trials(
-      (std::filesystem::path(compare_trials_folder(folder, CompareHands::kCompared)) / kTrialsFile)
-          .string());
+  const auto rows =
+      read_trials((std::filesystem::path(compare_trials_folder(folder)) / kTrialsFile).string());
   if (!rows) return rows.error();
   std::vector<std::string> strategies, scenes;
   for (const Strategy& strategy : settings.strategies) strategies.push_back(name_of(strategy));
@@ -278,12 +277,17 @@ std::string means_text(const StrategyMeans& means) {
   constexpr std::size_t kHeadingColumns = 26, kLeastColumns = 9, kGap = 2;
   std::string text =
       padded_right("mean over " + std::to_string(means.hands) + " hands", kHeadingColumns);
+  std::string settings(kHeadingColumns, ' ');  // ":0.25" is on a line of its own
   std::vector<std::size_t> widths;
   for (const std::string& strategy : means.strategies) {
-    widths.push_back(std::max(kLeastColumns, strategy.size() + kGap));
-    text += padded_left(strategy, widths.back());
+    const std::size_t colon = std::min(strategy.find(':'), strategy.size());
+    widths.push_back(std::max(kLeastColumns, std::max(colon, strategy.size() - colon) + kGap));
+    text += padded_left(strategy.substr(0, colon), widths.back());
+    settings += padded_left(strategy.substr(colon), widths.back());
   }
   text += "\n";
+  const std::size_t last = settings.find_last_not_of(' ');
+  if (last != std::string::npos) text += settings.substr(0, last + 1) + "\n";
   for (std::size_t measure = 0; measure < compared_measures().size(); ++measure) {
     text += measure_line(means, measure, kHeadingColumns, widths);
   }

@@ -1,5 +1,6 @@
-"""Means, paired differences, ranks and tuning of strategies, against tables computed by hand."""
+"""Means, paired differences and ranks of strategies, against tables computed by hand."""
 
+import argparse
 import json
 import math
 
@@ -7,16 +8,23 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from palpate.analysis.errors import InputError
 from palpate.analysis.strategies import command, text
 from palpate.analysis.strategies.comparison import (
-    Compared,
-    _is_comparable,
     compare,
     intervals,
+    is_comparable,
     is_tie_of_all,
     leaders,
 )
-from palpate.analysis.strategies.measures import BY_NAME, MEASURES
+from palpate.analysis.strategies.differences_figure import (
+    BETTER,
+    UNDECIDED,
+    WORSE,
+    differences_figure,
+)
+from palpate.analysis.strategies.measures import MEASURES
+from palpate.analysis.strategies.names import meaning
 
 # Student's t with P(|T| > t) = 0.05, in closed form: with one degree of freedom T is Cauchy, so
 # t = tan(0.475 pi); with two, t = p sqrt(2 / (1 - p^2)) with p = 0.95.
@@ -73,7 +81,6 @@ def trial(strategy, hand, scene, angle_deg, **more):
 # Angles of three hands on the scenes A and B: none 9 everywhere.
 ANGLES = {"none": ((9, 9, 9), (9, 9, 9)), "mask": ((40, 42, 44), (50, 52, 54)),
           "a4": ((10, 14, 15), (20, 22, 27)), "cd": ((12, 16, 11), (22, 20, 21))}
-SMALL = Compared(list(ANGLES), ["A", "B"])
 
 
 def small_trials():
@@ -82,9 +89,8 @@ def small_trials():
             for scene, angles in zip("AB", of_scenes)]
 
 
-def compared(rows, what=SMALL, tuning=None):
-    return compare(pd.DataFrame(rows), None if tuning is None else pd.DataFrame(tuning), what,
-                   "delayed")
+def compared(rows, strategies=tuple(ANGLES), scenes=("A", "B")):
+    return compare(pd.DataFrame(rows), list(strategies), list(scenes), "delayed")
 
 
 def entries(comparison, column="mean_contact_angle_deg", scene=""):
@@ -154,7 +160,7 @@ def test_a4_loses_only_where_the_interval_is_on_the_better_side():
 def test_magnitudes_are_compared_where_zero_is_the_best():
     rows = [trial(strategy, hand, "A", 1.0, work_lost_J=work)
             for hand in (1, 2) for strategy, work in (("mask", -0.5), ("a4", 0.25))]
-    comparison = compared(rows, Compared(["mask", "a4"], ["A"]))
+    comparison = compared(rows, ["mask", "a4"], ["A"])
     assert comparison.scenes == [""], "one scene is all scenes"
     lost = entries(comparison, "work_lost_J")
     assert lost.at["mask", "mean"] == 0.5
@@ -185,7 +191,7 @@ def test_only_trials_that_both_completed_are_paired():
 
 def test_ninety_percent_of_the_trials_are_enough():
     counts = pd.DataFrame({"trials": [80, 80], "done": [72, 71]})
-    assert list(_is_comparable(counts)) == [True, False]
+    assert list(is_comparable(counts)) == [True, False]
 
 
 def test_other_followings_practice_and_strategies_are_left_out():
@@ -196,35 +202,88 @@ def test_other_followings_practice_and_strategies_are_left_out():
     assert text.comparison_text(compared(rows)) == expected
 
 
-LEVELS = ["anisotropic:0.5", "anisotropic:2", "anisotropic:4"]
-
-
-def test_it_tunes_on_other_hands_than_it_compares():
-    """E = 4 is best for the hands that tune, E = 1/2 for the hands that are compared."""
-    rows = [trial("mask", hand, "A", 30.0 + hand) for hand in (1, 2)]
-    rows += [trial(level, hand, "A", 10.0 + 5.0 * i) for hand in (1, 2)
-             for i, level in enumerate(LEVELS)]
-    tuning = [trial(level, hand, "A", 20.0 - 5.0 * i) for hand in (1, 2)
-              for i, level in enumerate(LEVELS)]
-    comparison = compared(rows, Compared(["mask"], ["A"], LEVELS), tuning)
+def test_each_value_of_a_parameter_is_a_strategy_of_its_own():
+    names = ["mask", "anisotropic:0.5", "anisotropic:2"]
+    rows = [trial(name, hand, "A", 30.0 - 10.0 * place + hand)
+            for place, name in enumerate(names) for hand in (1, 2)]
+    comparison = compared(rows, names, ["A"])
     angle = entries(comparison)
-    assert list(angle.index) == ["mask", "anisotropic", *LEVELS]
-    assert angle.at["anisotropic", "tuned_to"] == "anisotropic:4"
-    assert angle.at["anisotropic", "mean"] == 20.0, "of the compared hands"
-    assert leaders_in_order(angle) == ["anisotropic"]
-    assert angle.at["anisotropic:0.5", "role"] == "level"
-    assert list(comparison.tuning["strategy"][:3]) == LEVELS
-    assert list(comparison.tuning["chosen"][:3]) == [0, 0, 1]
-    # By timeouts, the levels are equal: 1/2 and 2 are equally near to 1, and 1/2 is the first.
-    assert entries(comparison, "status").at["anisotropic", "tuned_to"] == "anisotropic:0.5"
+    assert list(angle.index) == names and set(angle["role"]) == {"technique"}
+    assert leaders_in_order(angle) == ["anisotropic:2"]
+    head, settings = text.comparison_text(comparison).splitlines()[:2]
+    assert head.split()[-3:] == ["mask", "anisotropic", "anisotropic"]
+    assert settings.split() == [":0.5", ":2"] and settings.index(":2") + 2 == len(head)
+    assert meaning("anisotropic:0.5").endswith("counts E = 0.5 times")
+    assert meaning("a4-passive:10").endswith("at most 10 mJ to the spring of the motors")
+    assert meaning("unknown:3") == ""
 
 
-def test_a_level_that_did_not_complete_its_tuning_is_not_chosen():
-    levels = ["anisotropic:2", "anisotropic:16"]
-    rows = [trial(level, hand, "A", 20.0) for hand in range(1, 5) for level in levels]
-    tuning = [trial(level, hand, "A", 5.0 if level == "anisotropic:16" else 20.0)
-              for hand in range(1, 5) for level in levels]
-    rows[1]["status"] = tuning[1]["status"] = "timeout"
-    comparison = compared(rows, Compared([], ["A"], levels), tuning)
-    assert entries(comparison).at["anisotropic", "tuned_to"] == "anisotropic:2"
-    assert comparison.incomplete == [], "no measure chose E = 16"
+def test_a_figure_has_a_mark_for_each_strategy_at_its_difference():
+    angle = entries(compared(small_trials()))
+    figure = differences_figure(angle, "a4")
+    (axes,) = figure.axes
+    marks = [line.lines[0] for line in axes.containers]
+    found = [mark.get_xdata()[0] for mark in marks]
+    assert found == [near(x) for x in (-9.0, 29.0)] + [0.0, near(-1.0)]
+    half_widths = [line.lines[2][0].get_segments()[0][1][0] - x
+                   for line, x in zip(axes.containers, found)]
+    assert half_widths == [near(angle.at["none", "a4_half_width"]),
+                           near(angle.at["mask", "a4_half_width"]), 0.0,
+                           near(angle.at["cd", "a4_half_width"])]
+    assert [mark.get_markerfacecolor() == "none" for mark in marks] == [True] + 3 * [False]
+    assert [mark.get_color() for mark in marks] == [BETTER, WORSE, UNDECIDED, UNDECIDED]
+    labels = [label.get_text().split() for label in axes.get_yticklabels()]
+    assert labels == [["none", "9.0"], ["mask", "47.0"], ["a4", "18.0"], ["cd", "17.0"]]
+    assert axes.get_xlabel() == "difference to a4, deg"
+    time = entries(compared(small_trials()), "total_time_s")
+    (only,) = differences_figure(time, "a4").axes[0].containers
+    assert only.lines[0].get_xdata()[0] == 0.0, "nobody has a time"
+
+
+PLAN = {"strategies": ["mask", "a4"], "objects": {"B": {"file": "b.glb"}, "A": {"file": "a.glb"}},
+        "followings": ["delayed"], "operator": "people2005", "participants": 3, "seed": 2005,
+        "device": {"sensors": 2, "velocity_estimator": "difference"}}
+
+
+@pytest.fixture(name="folder")
+def comparison_folder(tmp_path):
+    (tmp_path / "trials").mkdir()
+    (tmp_path / "plan.json").write_text(json.dumps(PLAN))
+    rows = pd.DataFrame([row for row in small_trials() if row["strategy"] in PLAN["strategies"]])
+    rows.assign(haptic="", rotation="").to_csv(tmp_path / "trials/trials.csv", index=False)
+    return tmp_path
+
+
+def report_of(folder, *words):
+    parser = argparse.ArgumentParser()
+    command.add_arguments(parser)
+    return command.run(parser.parse_args([str(folder), *words]))
+
+
+def test_a_report_has_all_scenes_and_measures_and_says_that_hands_are_simulated(folder):
+    report = report_of(folder, "--scene", "one <b>.glb", "--scene", "$x$.glb")
+    assert list(report.files) == ["report.html", "comparison.json", "comparison.csv",
+                                  "a4_losses.csv"]
+    document = json.loads(report.files["comparison.json"])
+    assert len(document["means"]) == 3 * 17 * 2 == 3 * len(MEASURES) * 2
+    assert document["scenes"] == ["one <b>.glb", "$x$.glb"]
+    assert [row["trials"] for row in document["strategies"]] == [6, 6]
+    assert document["comparable"] == {"delayed": True}
+    lines = report.files["comparison.csv"].splitlines()
+    assert len(lines) == 1 + 3 * 17 * 2
+    assert lines[0].startswith("following,scene,measure,column,unit,better,strategy,role,hands,mean")
+    page = report.files["report.html"]
+    assert ("The hands are simulated: the intervals speak of seeds and of the ranges in the operator "
+            "file, not of people.") in page
+    assert "<script" not in page and "http" not in page.replace("http://www.w3.org", "")
+    assert "one &lt;b&gt;.glb, $x$.glb" in page
+    assert page.index('id="differences"') < page.index("Best technique by each measure")
+    assert report.text.startswith("one <b>.glb, $x$.glb: 12 trials of 3 hands of people2005, seed 2005")
+    assert report_of(folder, "--scene", "one <b>.glb", "--scene", "$x$.glb") == report
+    assert report_of(folder, "--json").text == report_of(folder).files["comparison.json"]
+
+
+def test_a_folder_without_a_plan_is_refused_by_name(folder):
+    (folder / "plan.json").write_text("{}")
+    with pytest.raises(InputError, match="plan.json: is not a plan of palpate compare"):
+        report_of(folder)

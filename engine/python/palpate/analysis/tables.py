@@ -49,7 +49,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
             raise InputError(name, "", f"is larger than {MOST_BYTES} bytes", "divide the file")
         raw = pathlib.Path(name).read_bytes()
     except OSError as error:
-        raise InputError(name, "", error.strerror or "cannot be read") from error
+        raise InputError(name, "", f"cannot be opened: {error.strerror}") from error
     if (zero := raw.find(b"\0")) >= 0:
         raise InputError(name, f"byte {zero}", "is zero; expected text",
                          "save the table as comma-separated text in UTF-8")

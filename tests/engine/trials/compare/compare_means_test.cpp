@@ -141,6 +141,13 @@ TEST(StrategyMeans, AreTheSameInTheTableTheTextAndAsJson) {
                                "contact angle, deg              9.0     47.0     18.0\n"
                                "penetration, mm                   -        -        -\n"))
       << means_text(followings.front());
+  const StrategyMeans settled = strategy_means({trial("anisotropic:0.25", 1, "A", 1.0)}, "delayed",
+                                               {"mask", "anisotropic:0.25"}, {"A"});
+  EXPECT_TRUE(
+      means_text(settled).starts_with("mean over 1 hands              mask  anisotropic\n"
+                                      "                                           :0.25\n"
+                                      "contact angle, deg                -         1.00\n"))
+      << means_text(settled);
   CompareSettings settings;
   settings.device.sensors = 2;
   settings.scenes = {"A.glb", "B.glb"};

@@ -36,26 +36,24 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using test::model_path;
+using test::nine_strategies;
 using test::prepared_model;
 using test::settings_of;
 using test::stand_in_trials;
 using test::TemporaryFolder;
-using test::tuned_settings;
 
 std::string bytes_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Every file of a comparison that must not depend on jobs and shards, by name: the results of both
-// runs and the means.
+// Every file of a comparison that must not depend on jobs and shards, by name: the results of the
+// run and the means.
 std::map<std::string, std::string> results_of(const std::string& folder) {
   std::map<std::string, std::string> files;
-  for (const CompareHands hands : {CompareHands::kCompared, CompareHands::kTuning}) {
-    const fs::path trials = compare_trials_folder(folder, hands);
-    for (const char* name : {kTrialsFile, kColumnsFile, kRunFile}) {
-      files[(trials.filename() / name).string()] = bytes_of(trials / name);
-    }
+  const fs::path trials = compare_trials_folder(folder);
+  for (const char* name : {kTrialsFile, kColumnsFile, kRunFile}) {
+    files[name] = bytes_of(trials / name);
   }
   for (const char* name : {kMeansFile, kStrategiesFile}) {
     files[name] = bytes_of(fs::path(folder) / name);
@@ -88,7 +86,7 @@ WholeComparison compare_into(const std::string& folder, const CompareSettings& s
 const std::map<std::string, std::string>& reference() {
   static const std::map<std::string, std::string> files = [] {
     const TemporaryFolder folder;
-    compare_into(folder.path("out"), tuned_settings());
+    compare_into(folder.path("out"), nine_strategies());
     return results_of(folder.path("out"));
   }();
   return files;
@@ -97,7 +95,7 @@ const std::map<std::string, std::string>& reference() {
 // Lists of strategies.
 
 TEST(ComparePlan, AllStrategiesMeetTheSameNoise) {
-  auto plan = compare_plan(tuned_settings(), CompareHands::kCompared);
+  auto plan = compare_plan(nine_strategies());
   ASSERT_TRUE(plan.ok());
   std::map<std::string, std::set<std::uint64_t>> seeds;  // by scene and hand
   TrialFunctions functions = stand_in_trials();
@@ -194,23 +192,21 @@ TEST(StrategyTrialsFile, RefusesAStrategyBesideHapticOrRotation) {
 
 TEST(Comparison, RunsEveryHandOnceWithEachStrategyOnEachScene) {
   const TemporaryFolder folder;
-  const WholeComparison outcome = compare_into(folder.path("out"), tuned_settings());
-  ASSERT_EQ(outcome.runs.size(), 2u);
-  EXPECT_EQ(outcome.runs[0].computed.size(), 5u);
-  EXPECT_EQ(outcome.runs[0].merged->trials, 5u * 2u * 9u);
-  EXPECT_EQ(outcome.runs[1].merged->trials, 5u * 2u * 6u);
+  const WholeComparison outcome = compare_into(folder.path("out"), nine_strategies());
+  EXPECT_EQ(outcome.run.computed.size(), 5u);
+  EXPECT_EQ(outcome.run.merged->trials, 5u * 2u * 9u);
   ASSERT_EQ(outcome.followings.size(), 1u);
   EXPECT_EQ(outcome.followings[0].hands, 5);
-  ASSERT_EQ(outcome.followings[0].strategies.size(), 3u);
+  ASSERT_EQ(outcome.followings[0].strategies.size(), 9u);
   for (const StrategyCounts& counts : outcome.followings[0].counts) EXPECT_EQ(counts.trials, 10);
   const std::string means = bytes_of(folder.path("out/means.csv"));
-  EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 1 + 3 * 17 * 3);
+  EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 1 + 3 * 17 * 9);
 }
 
 TEST(Comparison, GivesTheSameBytesWithAnyNumberOfJobs) {
   for (const int jobs : {1, 2, 5}) {
     const TemporaryFolder folder;
-    compare_into(folder.path("out"), tuned_settings(), {}, jobs);
+    compare_into(folder.path("out"), nine_strategies(), {}, jobs);
     EXPECT_EQ(results_of(folder.path("out")), reference()) << jobs << " jobs";
   }
 }
@@ -228,14 +224,13 @@ TEST(Comparison, ShardsInOneFolderGiveTheSameBytes) {
       std::swap(numbers[left - 1], numbers[random.index(left)]);
     }
     for (const int number : numbers) {
-      const auto outcome = compare_into(folder.path("out"), tuned_settings(), Shard{number, count});
+      const auto outcome =
+          compare_into(folder.path("out"), nine_strategies(), Shard{number, count});
       EXPECT_TRUE(outcome.followings.empty());
       EXPECT_FALSE(fs::exists(folder.path("out/means.csv")));
     }
-    const WholeComparison whole = compare_into(folder.path("out"), tuned_settings());
-    for (const ExperimentRunOutcome& run : whole.runs) {
-      EXPECT_TRUE(run.computed.empty()) << "the shards have every hand";
-    }
+    const WholeComparison whole = compare_into(folder.path("out"), nine_strategies());
+    EXPECT_TRUE(whole.run.computed.empty()) << "the shards have every hand";
     EXPECT_EQ(results_of(folder.path("out")), reference());
   }
 }
@@ -248,8 +243,7 @@ TEST(Comparison, OfAllFollowingsComparesEach) {
   ASSERT_EQ(outcome.followings.size(), 4u);
   EXPECT_EQ(outcome.followings[0].following, "delayed");
   EXPECT_EQ(outcome.followings[3].following, "frozen");
-  EXPECT_EQ(outcome.runs.size(), 1u) << "nothing is tuned";
-  EXPECT_FALSE(fs::exists(folder.path("out/tuning")));
+  EXPECT_EQ(outcome.run.merged->trials, 4u * 3u * 2u * 2u);
 }
 
 // A strategy that a scene does not accept is refused by name before any trial, and nothing is

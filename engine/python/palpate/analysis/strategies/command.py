@@ -12,7 +12,7 @@ import pandas as pd
 from palpate.analysis import numbers, tables
 from palpate.analysis.errors import InputError
 from palpate.analysis.report import Report
-from palpate.analysis.strategies.comparison import Compared, Comparison, compare
+from palpate.analysis.strategies.comparison import Comparison, compare
 from palpate.analysis.strategies.report_page import comparison_page
 from palpate.analysis.strategies.text import SIMULATED_HANDS, comparison_text
 from palpate.analysis.trials import read_trials
@@ -24,29 +24,21 @@ _LOSSES = {"following": "following", "measure": "measure", "unit": "unit", "stra
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=pathlib.Path, help="the folder of a comparison")
     parser.add_argument("--scene", action="append", help="a scene, as the user named it")
-    parser.add_argument("--tuned", action="store_true", help="other hands tuned a strategy")
     parser.add_argument("--operator", help="the operator, as the user named it")
     parser.add_argument("--json", action="store_true", help="print comparison.json")
 
 
 def run(arguments: argparse.Namespace) -> Report:
-    """Read FOLDER/plan.json, FOLDER/trials/trials.csv and, if tuned, FOLDER/tuning-plan.json and
-    FOLDER/tuning/trials.csv."""
+    """Read FOLDER/plan.json and FOLDER/trials/trials.csv."""
     folder: pathlib.Path = arguments.folder
     plan = _plan(folder / "plan.json")
-    tuning_plan = _plan(folder / "tuning-plan.json") if arguments.tuned else None
-    levels = tuning_plan["strategies"] if tuning_plan else []
-    compared = Compared([name for name in plan["strategies"] if name not in levels],
-                        sorted(plan["objects"]), levels)
     trials = read_trials(folder / "trials" / "trials.csv")
-    tuning_trials = read_trials(folder / "tuning" / "trials.csv") if tuning_plan else None
-    comparisons = [compare(trials, tuning_trials, compared, following)
+    comparisons = [compare(trials, plan["strategies"], sorted(plan["objects"]), following)
                    for following in plan["followings"]]
     settings = {
         "scenes": arguments.scene or [each["file"] for each in plan["objects"].values()],
         "operator": arguments.operator or plan["operator"], "hands": plan["participants"],
-        "seed": plan["seed"], **({"tuning_seed": tuning_plan["seed"]} if tuning_plan else {}),
-        "device": plan["device"]}
+        "seed": plan["seed"], "device": plan["device"]}
     return _report(settings, comparisons, arguments.json)
 
 
@@ -67,15 +59,13 @@ def _report(settings: dict[str, Any], comparisons: list[Comparison], as_json: bo
         "strategies": _joined(comparisons, [each.strategies for each in comparisons]),
         "means": _joined(comparisons, [each.means for each in comparisons]),
         "a4_losses": _joined(comparisons, [each.a4_losses for each in comparisons])[
-            list(_LOSSES)].rename(columns=_LOSSES),
-        "tuning": _joined(comparisons, [each.tuning for each in comparisons])}
+            list(_LOSSES)].rename(columns=_LOSSES)}
     document = numbers.json_text({
         "palpate_comparison": 1, **settings,
         "comparable": {each.following: not each.incomplete for each in comparisons},
         **{name: _rows(table) for name, table in every.items()}})
     files = {"report.html": comparison_page(settings, comparisons), "comparison.json": document}
-    for name in ("means", "a4_losses", "tuning"):
-        file = {"means": "comparison"}.get(name, name) + ".csv"
+    for file, name in (("comparison.csv", "means"), ("a4_losses.csv", "a4_losses")):
         table = every[name]
         files[file] = numbers.csv_text(list(table), (list(row.values()) for row in _rows(table)))
     return Report(files, document if as_json else _text(settings, comparisons))

@@ -1,4 +1,4 @@
-"""Compares strategies on the same hands and scenes: means, paired differences, ranks, tuning.
+"""Compares strategies on the same hands and scenes: means, paired differences, and which is best.
 
 The value of a hand is the mean over its trials; a trial without a value is left out. A mean is over
 hands that have a value, and its interval is Student's t over hands. A difference is paired: the
@@ -9,7 +9,7 @@ strategies have a value.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -18,28 +18,9 @@ from numpy.typing import NDArray
 from palpate.analysis.statistics import t_for_coverage
 from palpate.analysis.strategies.measures import MEASURES, Array, values_of
 
-TUNED = "anisotropic"  # stands for the best of several values of E
 REFERENCES = ("none", "full")  # not ranked: they need no motor, or all of them
-LEAST_DONE = 0.9  # the share of its trials that a strategy must complete to be comparable
-COUNTS = ("trials", "done", "timeouts", "faults")
-TUNING = ("scene", "measure", "unit", "strategy", "hands", "mean", "half_width", "chosen")
-
-
-@dataclass(frozen=True)
-class Compared:
-    """What is compared: names, in the order of tables."""
-
-    strategies: Sequence[str]
-    scenes: Sequence[str]  # objects
-    levels: Sequence[str] = field(default_factory=list)  # values of E; empty: nothing is tuned
-
-    @property
-    def contenders(self) -> list[tuple[str, str]]:
-        """Names and roles: reference, technique, or a level, which is ranked only as TUNED."""
-        roles = [(name, "reference" if name in REFERENCES else "technique")
-                 for name in self.strategies]
-        return roles + bool(self.levels) * [(TUNED, "technique")] + [
-            (level, "level") for level in self.levels]
+OTHERS = ("mask", "a4")  # to which differences are computed
+_ENDS = {"done": "done", "timeouts": "timeout", "faults": "fault"}
 
 
 @dataclass(frozen=True)
@@ -50,7 +31,6 @@ class Comparison:
     hands: int
     strategies: pd.DataFrame  # how the trials of each strategy ended
     means: pd.DataFrame  # every mean with its differences to mask and to a4, and its standing
-    tuning: pd.DataFrame  # every level by every measure on the hands that tune
 
     @property
     def scenes(self) -> list[str]:
@@ -59,31 +39,32 @@ class Comparison:
 
     @property
     def incomplete(self) -> list[str]:
-        """Strategies that are not comparable. A level counts only if a measure chose it."""
-        chosen = self.tuning.loc[self.tuning["chosen"] == 1, "strategy"]
-        counts = self.strategies[(self.strategies["role"] != "level")
-                                 | self.strategies["strategy"].isin(chosen)]
-        return list(counts.loc[~_is_comparable(counts), "strategy"])
+        """Strategies that are not comparable."""
+        return list(self.strategies.loc[~is_comparable(self.strategies), "strategy"])
 
     @property
     def a4_losses(self) -> pd.DataFrame:
         """The rows of `means` in which another strategy is better than a4: the interval of the
         difference to a4 lies on the better side of 0."""
-        out, means = self.incomplete, self.means
-        losses = means[(means["scene"] == "") & (means["role"] != "level")
-                       & (means["minus_a4"] < -means["a4_half_width"])
-                       & ~means["strategy"].isin(out) & ~means["tuned_to"].isin(out)]
-        return losses.iloc[:0] if "a4" in out else losses
+        means = self.means
+        losses = means[(means["scene"] == "") & (means["minus_a4"] < -means["a4_half_width"])
+                       & ~means["strategy"].isin(self.incomplete)]
+        return losses.iloc[:0] if "a4" in self.incomplete else losses
 
 
-def _is_comparable(counts: pd.DataFrame) -> "pd.Series[bool]":
-    return counts["done"] * 10 >= counts["trials"] * round(10 * LEAST_DONE)
+def role_of(strategy: str) -> str:
+    return "reference" if strategy in REFERENCES else "technique"
 
 
-def _mean(values: Array, axis: int) -> tuple[Array, Array]:
-    """The mean without NaN, and of how many values it is; NaN if there is none."""
-    counts = np.count_nonzero(~np.isnan(values), axis=axis)
-    return np.nansum(values, axis=axis) / np.where(counts, counts, np.nan), counts
+def is_comparable(counts: pd.DataFrame) -> "pd.Series[bool]":
+    """Whether at least 90 % of the trials were completed."""
+    return counts["done"] * 10 >= counts["trials"] * 9
+
+
+def _mean(values: Array) -> tuple[Array, Array]:
+    """The mean over the last axis but one, without NaN, and of how many values it is."""
+    counts = np.count_nonzero(~np.isnan(values), axis=-2)
+    return np.nansum(values, axis=-2) / np.where(counts, counts, np.nan), counts
 
 
 def intervals(values: Array, size: Array | float = 0.0) -> tuple[Array, Array, Array]:
@@ -92,8 +73,8 @@ def intervals(values: Array, size: Array | float = 0.0) -> tuple[Array, Array, A
     values: (..., hands, cells, strategies). size: the largest value that was subtracted to get
     them; a deviation rounds hands + 2 times, so that a smaller half width is 0.
     """
-    of_hand, _ = _mean(values, -2)
-    mean, hands = _mean(of_hand, -2)
+    of_hand, _ = _mean(values)
+    mean, hands = _mean(of_hand)
     squares = np.nansum((of_hand - mean[..., None, :]) ** 2, axis=-2)
     degrees = np.where(hands > 1, hands - 1.0, np.nan)
     half_width = t_for_coverage(degrees) * np.sqrt(squares / degrees / np.maximum(hands, 1))
@@ -102,127 +83,67 @@ def intervals(values: Array, size: Array | float = 0.0) -> tuple[Array, Array, A
     return mean, np.where(half_width <= rounding, 0.0, half_width), hands
 
 
-def _counts(trials: pd.DataFrame, contenders: Sequence[tuple[str, str]]) -> pd.DataFrame:
-    rows = []
-    for name, role in contenders:
-        ended = trials.loc[trials["strategy"] == name, "status"].value_counts()
-        rows.append((name, role, ended.sum(), *(ended.get(status, 0)
-                                                for status in ("done", "timeout", "fault"))))
-    return pd.DataFrame(rows, columns=["strategy", "role", *COUNTS])
+def _differences(values: Array, others: Array) -> tuple[Array, Array, Array]:
+    size: Array = np.abs(np.nan_to_num(values)).max(axis=(1, 2, 3), initial=0.0)
+    return intervals(values - others, size[:, None])
 
 
-def _selected(trials: pd.DataFrame, following: str, names: Sequence[str]) -> pd.DataFrame:
-    return trials[(trials["following"] == following) & (trials["block"] > 0)
-                  & trials["strategy"].isin(names)]
-
-
-def _distance_from_one(level: str) -> float:
-    """How far E is from 1, in powers of 2."""
-    return abs(float(np.log2(float(level.partition(":")[2]))))
-
-
-def _tune(values: Array, is_comparable: Sequence[bool], levels: Sequence[str],
-          scene: str) -> tuple[pd.DataFrame, list[int]]:
-    """The means of the levels, and the place of the best one by each measure.
-
-    The best mean of those that completed their trials; of equal ones, the nearest to E = 1.
-    """
-    means, half_widths, hands = intervals(values)
-    chosen = []
-    for row in means:
-        keys = [(1, 0, 0.0, 0.0) if np.isnan(mean) else
-                (0, int(not done), mean, _distance_from_one(level))
-                for mean, done, level in zip(row, is_comparable, levels)]
-        chosen.append(min(range(len(keys)), key=lambda place: keys[place]))
-    table = pd.DataFrame([
-        (scene, measure.name, measure.unit, level, hands[i, j], means[i, j], half_widths[i, j],
-         int(chosen[i] == j))
-        for i, measure in enumerate(MEASURES) for j, level in enumerate(levels)],
-        columns=list(TUNING))
-    return table, chosen
+def _counts(trials: pd.DataFrame, strategies: Sequence[str]) -> pd.DataFrame:
+    ends = pd.crosstab(trials["strategy"], trials["status"]).reindex(
+        index=strategies, columns=list(_ENDS.values()), fill_value=0)
+    return pd.DataFrame({"strategy": strategies, "role": [role_of(each) for each in strategies],
+                         "trials": ends.sum(axis=1).to_numpy(),
+                         **{name: ends[status].to_numpy() for name, status in _ENDS.items()}})
 
 
 def _standings(values: Array, is_ranked: Array) -> NDArray[np.str_]:
-    """"best", "tied" or "" by measure and contender: pairs of the same hands decide, because the
-    means may be of other trials where some are missing. is_ranked: (measures, contenders)."""
+    """"best", "tied" or "" by measure and strategy: pairs of the same hands decide, because the
+    means may be of other trials where some are missing. is_ranked: (measures, strategies)."""
     means, _, _ = intervals(values)
     best = np.where(is_ranked, means, np.inf).argmin(axis=-1)[:, None]
-    others = np.take_along_axis(values, best[:, None, None, :], axis=-1)
-    behind, half_width, _ = intervals(values - others, _size(values))
+    behind, half_width, _ = _differences(
+        values, np.take_along_axis(values, best[:, None, None, :], axis=-1))
     is_best = np.arange(values.shape[-1]) == best
     is_tied = ~(behind > half_width)  # also without an interval
-    names = np.where(is_best, "best", np.where(is_tied, "tied", ""))
-    return np.where(is_ranked, names, "")
+    return np.where(is_ranked, np.where(is_best, "best", np.where(is_tied, "tied", "")), "")
 
 
-def _size(values: Array) -> Array:
-    """The largest value of each measure."""
-    largest: Array = np.abs(np.nan_to_num(values)).max(axis=(1, 2, 3), initial=0.0)
-    return largest[:, None]
-
-
-def _means(values: Array, compared: Compared, tuned: Sequence[str], is_comparable: Array,
-           scene: str) -> pd.DataFrame:
-    """A row for each measure and contender. values: (measures, hands, cells, contenders)."""
-    contenders = compared.contenders
-    names, roles = [name for name, _ in contenders], np.array([role for _, role in contenders])
+def _means(values: Array, counts: pd.DataFrame, scene: str) -> pd.DataFrame:
+    """A row for each measure and strategy. values: (measures, hands, cells, strategies)."""
+    names = list(counts["strategy"])
     mean, half_width, hands = intervals(values)
     table = pd.DataFrame([
-        (scene, measure.name, measure.column, measure.unit, measure.better, name,
-         tuned[i] if name == TUNED else "", role)
-        for i, measure in enumerate(MEASURES) for name, role in contenders],
-        columns=["scene", "measure", "column", "unit", "better", "strategy", "tuned_to", "role"])
+        (scene, measure.name, measure.column, measure.unit, measure.better, name, role)
+        for measure in MEASURES for name, role in zip(names, counts["role"])],
+        columns=["scene", "measure", "column", "unit", "better", "strategy", "role"])
     table["hands"], table["mean"], table["half_width"] = (
         each.ravel() for each in (hands, mean, half_width))
-    for other in ("mask", "a4"):
-        if other in names:
-            of_other = values[..., [names.index(other)]]
-            difference, half, pairs = intervals(values - of_other, _size(values))
-        else:
-            difference, half, pairs = (np.full(mean.shape, np.nan) for _ in range(3))
+    for other in OTHERS:
+        of_other = values[..., [names.index(other)]] if other in names else np.nan * values
         is_compared = (table["strategy"] != other) & (other in names)
-        for column, cells in ((f"minus_{other}", difference), (f"{other}_half_width", half),
-                              (f"{other}_hands", pairs)):
+        columns = (f"minus_{other}", f"{other}_half_width", f"{other}_hands")
+        for column, cells in zip(columns, _differences(values, of_other)):
             table[column] = pd.Series(cells.ravel()).where(is_compared)
-        table[f"{other}_hands"] = table[f"{other}_hands"].astype("Int64")
-    is_ranked = (roles == "technique") & (hands > 0) & is_comparable
-    table["standing"] = _standings(values, is_ranked).ravel()
+        table[columns[-1]] = table[columns[-1]].astype("Int64")
+    is_technique = (counts["role"] == "technique") & is_comparable(counts)
+    table["standing"] = _standings(values, is_technique.to_numpy() & (hands > 0)).ravel()
     return table
 
 
-def compare(trials: pd.DataFrame, tuning_trials: pd.DataFrame | None, compared: Compared,
+def compare(trials: pd.DataFrame, strategies: Sequence[str], scenes: Sequence[str],
             following: str) -> Comparison:
-    """trials: of read_trials(), of all strategies and levels. tuning_trials: of the levels, by
-    other hands. For each measure, and for each scene and all together, TUNED is the level with the
-    best mean in tuning_trials."""
-    names = [*compared.strategies, *compared.levels]
-    trials = _selected(trials, following, names)
-    values, objects = values_of(trials, names)
-    counts = _counts(trials, [(n, role) for n, role in compared.contenders if n != TUNED])
-    is_comparable = _is_comparable(counts).to_numpy()
-    if compared.levels and tuning_trials is not None:
-        tuning_trials = _selected(tuning_trials, following, compared.levels)
-        tuning_values, tuning_objects = values_of(tuning_trials, compared.levels)
-        is_tunable = list(_is_comparable(_counts(
-            tuning_trials, [(level, "level") for level in compared.levels])))
-    tables, tunings = [], [pd.DataFrame(columns=list(TUNING))]
-    for scene in ["", *(compared.scenes if len(compared.scenes) > 1 else ())]:
+    """trials: of read_trials(); those of other followings, of practice and of other strategies are
+    left out. strategies, scenes (objects): names in the order of tables."""
+    trials = trials[(trials["following"] == following) & (trials["block"] > 0)
+                    & trials["strategy"].isin(strategies)]
+    values, objects = values_of(trials, strategies)
+    counts = _counts(trials, strategies)
+    tables = []
+    for scene in ["", *(scenes if len(scenes) > 1 else ())]:
         cells = np.array([scene in ("", each) for each in objects])
-        of_scene = values[:, :, cells]
-        places = np.tile(np.arange(len(names)), (len(MEASURES), 1))
-        tuned: list[str] = []
-        if compared.levels:
-            cells = np.array([scene in ("", each) for each in tuning_objects])
-            tuning, chosen = _tune(tuning_values[:, :, cells], is_tunable, compared.levels, scene)
-            tunings.append(tuning)
-            tuned = [compared.levels[place] for place in chosen]
-            first = len(compared.strategies)
-            places = np.insert(places, first, first + np.array(chosen), axis=1)
-        contenders = np.take_along_axis(of_scene, places[:, None, None, :], axis=-1)
-        tables.append(_means(contenders, compared, tuned, is_comparable[places], scene))
-    tuning = pd.concat(tunings[1:] or tunings, ignore_index=True)
+        tables.append(_means(values[:, :, cells], counts, scene))
     return Comparison(following, trials["participant"].nunique(), counts,
-                      pd.concat(tables, ignore_index=True), tuning)
+                      pd.concat(tables, ignore_index=True))
 
 
 def leaders(entries: pd.DataFrame) -> str:
@@ -239,4 +160,3 @@ def is_tie_of_all(entries: pd.DataFrame) -> bool:
     ranked = entries[(entries["role"] == "technique") & (entries["hands"] > 0)]
     leading = (entries["standing"] != "").sum()
     return bool(leading > 1 and (ranked["standing"] != "").all())
-

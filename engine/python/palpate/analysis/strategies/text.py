@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from palpate.analysis import numbers
-from palpate.analysis.strategies.comparison import TUNED, Comparison, is_tie_of_all
+from palpate.analysis.strategies.comparison import Comparison, is_tie_of_all
 from palpate.analysis.strategies.measures import BY_NAME, Measure
 
 SIMULATED_HANDS = ("The hands are simulated: the intervals speak of seeds and of the ranges in the "
@@ -57,17 +57,6 @@ def losses_by_strategy(comparison: Comparison,
     return [(name, note, measures) for (name, note), measures in texts.items()]
 
 
-def tuned_values(comparison: Comparison) -> list[tuple[str, str]]:
-    """The measures of all scenes together by which the levels differ, and the E of each."""
-    values = []
-    for name, levels in comparison.tuning[comparison.tuning["scene"] == ""].groupby(
-            "measure", sort=False):
-        chosen = levels[levels["chosen"] == 1].iloc[0]
-        if (levels["mean"] != chosen["mean"]).any():
-            values.append((str(name), chosen["strategy"].partition(":")[2]))
-    return values
-
-
 def incomplete_lines(comparison: Comparison) -> list[str]:
     counts = comparison.strategies.set_index("strategy")
     return [f"not comparable: {counts.at[name, 'done']} of {counts.at[name, 'trials']} trials of "
@@ -76,10 +65,14 @@ def incomplete_lines(comparison: Comparison) -> list[str]:
 
 def _means_lines(comparison: Comparison) -> list[str]:
     means = comparison.means[comparison.means["scene"] == ""]
-    names = means.loc[means["role"] != "level", "strategy"].unique()
-    widths = [max(_LEAST_COLUMNS, len(name) + 2) for name in names]
-    head = f"mean over {comparison.hands} hands".ljust(_HEADING_COLUMNS)
-    lines = [head + "".join(name.rjust(width) + "  " for name, width in zip(names, widths))]
+    names = means["strategy"].unique()
+    heads = [(name, colon + setting) for name, colon, setting in
+             (name.partition(":") for name in names)]  # ":0.25" is on a line of its own
+    widths = [max(_LEAST_COLUMNS, *(len(part) + 2 for part in head)) for head in heads]
+    lines = [title.ljust(_HEADING_COLUMNS)
+             + "".join(part.rjust(width) + "  " for part, width in zip(parts, widths))
+             for title, parts in zip((f"mean over {comparison.hands} hands", ""), zip(*heads))
+             if any(parts)]
     for name, entries in means.groupby("measure", sort=False):
         measure = BY_NAME[name]
         decimals = shown_decimals(measure, entries["mean"])
@@ -95,9 +88,6 @@ def comparison_text(comparison: Comparison) -> str:
     whose trials are not comparable."""
     lines = _means_lines(comparison)
     lines.append("* best technique; = tied: the 95 % interval of the paired difference holds 0")
-    if tuned := tuned_values(comparison):
-        lines.append(f"{TUNED}, E tuned on other hands: "
-                     + ", ".join(f"{measure} {value}" for measure, value in tuned))
     if "a4" in set(comparison.means["strategy"]):
         losses = losses_by_strategy(comparison, "+-")
         lines.append("a4 loses (paired difference to a4):" if losses else "a4 loses by no measure")
