@@ -3,6 +3,7 @@
 #include "engine/trials/sweep/sweep_run.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
@@ -20,10 +21,10 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/analysis/sweep_merge.h"
 #include "engine/trials/deal/dealt_merge.h"
 #include "engine/trials/deal/experiment_run.h"
 #include "engine/trials/deal/result_names.h"
+#include "engine/trials/sweep/sweep_merge.h"
 #include "engine/trials/sweep/sweep_points.h"
 #include "engine/trials/sweep/sweep_rows.h"
 #include "engine/trials/trial.h"
@@ -46,8 +47,8 @@ using test::sweep_of;
 using test::sweep_stand_in;
 using test::TemporaryFolder;
 
-constexpr int kAllPoints = 1 + 18 + 6;  // of small_sweep_json(): base, levels, hypercube
-constexpr int kPoints = 1 + 4 + 6;      // of quick_sweep_json()
+constexpr int kSmallSweepPoints = 1 + 18 + 6;  // of small_sweep_json(): base, levels, hypercube
+constexpr int kPoints = 1 + 4 + 6;             // of quick_sweep_json()
 
 std::string text_in(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -58,10 +59,13 @@ Sweep quick_sweep() {
   return sweep_of(quick_sweep_json());
 }
 
-// The bytes of all results.
+// The measured results: sweep.csv, columns.csv and run.json.
+constexpr std::array kMeasured = {kSweepFile, kColumnsFile, kRunFile};
+
+// The bytes of all of them.
 std::string sweep_results_in(const std::string& folder) {
   std::string all;
-  for (const std::string& name : result_names(RunKind::kSweep)) {
+  for (const char* const name : kMeasured) {
     const std::string text = text_in((fs::path(folder) / name).string());
     EXPECT_FALSE(text.empty()) << folder << " " << name;
     all += text;
@@ -70,8 +74,17 @@ std::string sweep_results_in(const std::string& folder) {
 }
 
 struct WholeSweep : SweepOutcome {
-  std::optional<MergedSweep> merged;  // no value: a shard, or stopped
+  std::optional<SweepCounts> merged;  // no value: a shard, or stopped
 };
+
+// A merge whose results are moved into place, as the program does it, but without a page.
+Result<SweepCounts> merge_into_place(const std::vector<std::string>& folders,
+                                     const std::string& out_folder) {
+  auto merged = merge_sweep(folders, out_folder);
+  if (!merged) return merged.error();
+  if (auto error = merged->files.move_into_place()) return *error;
+  return static_cast<SweepCounts>(*merged);
+}
 
 // As `experiment sweep` does it: a run that is complete is merged.
 WholeSweep run_whole(const Sweep& sweep, const DealtSettings& settings,
@@ -81,9 +94,9 @@ WholeSweep run_whole(const Sweep& sweep, const DealtSettings& settings,
   if (!outcome) return {};
   WholeSweep whole{std::move(*outcome), std::nullopt};
   if (settings.shard || !whole.not_done.empty()) return whole;
-  auto merged = merge_sweep({settings.out_folder}, settings.out_folder);
+  auto merged = merge_into_place({settings.out_folder}, settings.out_folder);
   EXPECT_TRUE(merged.ok()) << merged.error().to_string();
-  if (merged) whole.merged = std::move(*merged);
+  if (merged) whole.merged = *merged;
   return whole;
 }
 
@@ -136,7 +149,7 @@ TEST(SweepRun, EveryTrialHasTheValuesOfItsPoint) {
       return run(scene, way, setup, settings, person, conditions, sink);
     };
     const TemporaryFolder folder;
-    const Shard shard{static_cast<int>(i) + 1, kAllPoints};
+    const Shard shard{static_cast<int>(i) + 1, kSmallSweepPoints};
     ASSERT_TRUE(run_sweep(sweep, {folder.path(), shard, 1}, functions).ok());
     EXPECT_EQ(trials, 6 * points[i].participants);
   }
@@ -232,7 +245,6 @@ TEST(SweepRun, GivesTheSameBytesWithAnyNumberOfJobs) {
     ASSERT_TRUE(outcome.merged.has_value());
     EXPECT_EQ(outcome.merged->points, kPoints);
     EXPECT_EQ(outcome.merged->trials, 5u * 12 + 6u * 6);
-    EXPECT_TRUE(outcome.merged->warnings.empty());
     EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference()) << jobs << " jobs";
   }
 }
@@ -255,7 +267,7 @@ TEST(SweepRun, ShardsInAnyOrderGiveTheSameBytes) {
       EXPECT_FALSE(sweep_into(folders.back(), Shard{number, count}).merged.has_value());
       EXPECT_FALSE(fs::exists(fs::path(folders.back()) / kSweepFile));
     }
-    const auto merged = merge_sweep(folders, folder.path("out"));
+    const auto merged = merge_into_place(folders, folder.path("out"));
     ASSERT_TRUE(merged.ok()) << merged.error().to_string();
     EXPECT_EQ(sweep_results_in(folder.path("out")), sweep_reference());
   }
@@ -299,7 +311,7 @@ TEST(SweepRun, ShardsThatAreKilledAndStartedAgainGiveTheSameBytes) {
     }
     std::cout << kills << " kills\n";
     EXPECT_GT(kills, 0);
-    const auto merged = merge_sweep(folders, folder.path("out"));
+    const auto merged = merge_into_place(folders, folder.path("out"));
     ASSERT_TRUE(merged.ok()) << merged.error().to_string();
     EXPECT_EQ(sweep_results_in(folder.path("out")), sweep_reference());
   }
@@ -323,17 +335,17 @@ TEST(SweepRun, KilledBetweenAnyTwoRenamesOfResultsIsCompletedByAnotherMerge) {
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
   sweep_into(out);
-  for (int last = 1; last <= 2 * static_cast<int>(result_names(RunKind::kSweep).size()); ++last) {
+  for (int last = 1; last <= 2 * static_cast<int>(kMeasured.size()); ++last) {
     SCOPED_TRACE(last);
     EXPECT_FALSE(run_in_child([&] {
       test::die_at_rename(last);
-      return merge_sweep({out}, out).ok();
+      return merge_into_place({out}, out).ok();
     }));
     // run.json is there only beside all others.
     if (fs::exists(fs::path(out) / kRunFile)) {
       EXPECT_EQ(sweep_results_in(out), sweep_reference());
     }
-    ASSERT_TRUE(merge_sweep({out}, out).ok());
+    ASSERT_TRUE(merge_into_place({out}, out).ok());
     EXPECT_EQ(sweep_results_in(out), sweep_reference());
   }
 }
@@ -376,20 +388,23 @@ TEST(SweepRun, AnotherSweepOrAnExperimentInTheFolderIsReplaced) {
   nlohmann::json other = quick_sweep_json();
   other["hypercube"]["seed"] = 4;
   sweep_into(folder.path(), {}, 1, sweep_of(other));
+  for (const std::string& name : page_names(RunKind::kSweep)) {
+    std::ofstream(folder.path(name)) << "of the page";
+  }
   ASSERT_TRUE(
       run_experiment(quick_sweep().plan, {folder.path(), {}, 1, false}, sweep_stand_in()).ok());
   EXPECT_TRUE(units_with_parts(folder.path(), "point").empty());
   for (const std::string& name : result_names(RunKind::kSweep)) {
-    EXPECT_EQ(fs::exists(folder.path(name)), name == kRunFile) << name;
+    EXPECT_EQ(fs::exists(folder.path(name)), name == kColumnsFile || name == kRunFile) << name;
   }
   EXPECT_EQ(sweep_into(folder.path()).computed.size(), static_cast<std::size_t>(kPoints));
   EXPECT_TRUE(units_with_parts(folder.path(), "participant").empty());
   EXPECT_FALSE(fs::exists(folder.path(kTrialsFile)));
-  EXPECT_FALSE(fs::exists(folder.path("columns.csv")));
+  EXPECT_EQ(text_in(folder.path(kColumnsFile)), sweep_columns_csv());
   EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
 }
 
-TEST(SweepRun, WarnsIfNoTrialWasDone) {
+TEST(SweepRun, CountsTrialsThatWereNotDone) {
   TrialFunctions functions = sweep_stand_in();
   functions.run = [run = functions.run](auto&&... arguments) {
     auto outcome = run(arguments...);
@@ -399,14 +414,32 @@ TEST(SweepRun, WarnsIfNoTrialWasDone) {
   const TemporaryFolder folder;
   const WholeSweep outcome = run_whole(quick_sweep(), {folder.path(), {}, 1}, functions);
   ASSERT_TRUE(outcome.merged.has_value());
-  ASSERT_EQ(outcome.merged->warnings.size(), 1u);
-  EXPECT_NE(outcome.merged->warnings[0].find("no trial ended"), std::string::npos);
-  std::istringstream lines(text_in(folder.path("rankings.csv")));
-  std::string line;
-  std::getline(lines, line);
-  EXPECT_NE(line.find(",points,untestable,holds,share,low,high,"), std::string::npos) << line;
-  while (std::getline(lines, line)) {
-    EXPECT_NE(line.find(",0,6,0,,,,,"), std::string::npos) << line;
+  EXPECT_EQ(outcome.merged->done, 0u);
+  EXPECT_EQ(outcome.merged->faults, 0u);
+  EXPECT_EQ(outcome.merged->timeouts, outcome.merged->trials);
+}
+
+// The page of former results does not stay beside new ones, and appears only with them.
+TEST(SweepMerge, ReplacesNothingBeforeItIsMovedIntoPlace) {
+  const TemporaryFolder folder;
+  sweep_into(folder.path());
+  std::vector<std::string> names = page_names(RunKind::kSweep);
+  names.insert(names.end(), kMeasured.begin(), kMeasured.end());
+  for (const std::string& name : names) std::ofstream(folder.path(name)) << "former";
+  {
+    const auto given_up = merge_sweep({folder.path()}, folder.path());
+    ASSERT_TRUE(given_up.ok());
+    std::ofstream(given_up->files.path(kSweepPage)) << "page";
+  }
+  for (const std::string& name : names) EXPECT_EQ(text_in(folder.path(name)), "former") << name;
+  auto merged = merge_sweep({folder.path()}, folder.path());
+  ASSERT_TRUE(merged.ok());
+  std::ofstream(merged->files.path(kSweepPage)) << "page";
+  ASSERT_FALSE(merged->files.move_into_place().has_value());
+  EXPECT_EQ(text_in(folder.path(kSweepPage)), "page");
+  EXPECT_EQ(sweep_results_in(folder.path()), sweep_reference());
+  for (const std::string& name : page_names(RunKind::kSweep)) {
+    EXPECT_EQ(fs::exists(folder.path(name)), name == kSweepPage) << name;
   }
 }
 
@@ -491,6 +524,12 @@ TEST(SweepRows, AreReadBackAsTheyWereWritten) {
   CsvLines lines(sweep_columns());
   for (const SweepRow& row : *rows) add_sweep_row(lines, row);
   EXPECT_EQ(lines.text(), text);
+}
+
+// Python checks sweep.csv by its own copy of columns.csv.
+TEST(SweepRows, HaveTheColumnsThatPythonReads) {
+  EXPECT_EQ(text_in(PALPATE_MODELS_DIR "/../engine/python/palpate/analysis/sweep/columns.csv"),
+            sweep_columns_csv());
 }
 
 TEST(SweepRows, NameALineThatIsBroken) {

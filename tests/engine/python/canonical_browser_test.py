@@ -39,6 +39,7 @@ function measure_frame(frame) {
     // the whiskers of a curve are one path of many lines.
     const curves = [...svg.querySelectorAll('path')].filter(path =>
         path.getAttribute('d').split('L').length > 4 && path.getAttribute('d').split('M').length <= 3 &&
+        !path.getAttribute('d').trim().endsWith('z') &&
         path.getBoundingClientRect().width > 0.5 * measured.width).length;
     return {...measured, curves: curves};
   });

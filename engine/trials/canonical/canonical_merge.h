@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/report/output_files.h"
 #include "geometry/base/result.h"
 
 namespace palpate {
@@ -13,14 +14,13 @@ namespace palpate {
 struct MergedCanonical {
   int participants = 0;
   std::uint64_t trials = 0;
-  std::uint64_t without_result = 0;   // trials with no measure at all
-  std::vector<std::string> warnings;  // figures that could not be drawn
+  std::uint64_t without_result = 0;  // trials with no measure at all
+  OutputFiles files;  // the measured files, not in place; the page may be added (page_names)
 };
 
-// Reads the parts in these folders, checks them, and writes canonical.csv, columns.csv,
-// canonical.html and run.json into out_folder, together or not at all. The rows are in the order of
-// participants and, for each participant, in the order of CanonicalPlan::cells(). out_folder may be
-// one of these folders. Results of other kinds of runs in it are removed.
+// Reads the parts in these folders, checks them, and writes canonical.csv, columns.csv and run.json
+// for out_folder, which may be one of these folders (stage_results). The rows are in the order of
+// participants and, for each participant, in the order of CanonicalPlan::cells().
 //
 // Errors, which name the file: those of join_parts(), and a result that cannot be written.
 Result<MergedCanonical> merge_canonical(const std::vector<std::string>& folders,
