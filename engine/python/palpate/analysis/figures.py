@@ -23,7 +23,7 @@ from palpate.analysis.errors import printable
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")  # so that a series is not told by its colour alone
 INK = "#0a0b0c"  # becomes currentColor
-GRID = "#8080804d"  # a grey that is faint on both grounds
+GRID = "#808080"
 
 _STYLE = {
     "axes.edgecolor": INK,
@@ -43,6 +43,7 @@ _STYLE = {
     "figure.facecolor": "none",
     "font.family": ["DejaVu Sans"],
     "font.size": 10,
+    "grid.alpha": 0.3,  # faint on both grounds; matplotlib 3.6 ignores the alpha of a colour here
     "grid.color": GRID,
     "grid.linewidth": 0.6,
     "legend.fontsize": 9,
