@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from palpate.analysis import figures
-from palpate.analysis.results.picture import WIDTH_PX
 
 TITLE = "Which assumption decides whether A4 helps"
 SHARE, DECIDES = figures.COLOURS[0], figures.COLOURS[1]
+_NARROW_PX = 400  # readable on a phone
 _LOOKS: dict[str, dict[str, Any]] = {
     "low half": dict(marker="o", markerfacecolor="none"), "high half": dict(marker="o"),
     "word": dict(marker="|", markersize=10, markeredgewidth=3)}
@@ -27,8 +27,9 @@ def draw(shares: pd.DataFrame, measures: pd.DataFrame, notes: list[str]) -> Figu
     of all points, and low and high end of its 95 % interval (Wilson). notes: lines below.
     """
     assumptions = list(shares["assumption"].unique())
-    height = 130 + 24 * len(assumptions) + 13 * len(notes)
-    figure, axes = figures.new_figure(WIDTH_PX, height, ncols=len(measures), sharey=True,
+    below = 46 + 13 * len(notes)
+    height = below + 62 + 22 * len(assumptions)
+    figure, axes = figures.new_figure(_NARROW_PX, height, ncols=len(measures), sharey=True,
                                       squeeze=False)
     for panel, whole in zip(axes[0], measures.itertuples()):
         panel.axvspan(100 * whole.low, 100 * whole.high, color=figures.GRID, alpha=0.25,
@@ -40,11 +41,10 @@ def draw(shares: pd.DataFrame, measures: pd.DataFrame, notes: list[str]) -> Figu
         panel.set_xticks([0, 50, 100], ["0 %", "", "100 %"])
     axes[0, 0].set_yticks(range(len(assumptions)), assumptions)
     axes[0, 0].set_ylim(len(assumptions) - 0.5, -0.5)
-    below = (66 + 13 * len(notes)) / height
-    figure.legend(handles=_legend(), loc="lower left", ncols=4,
-                  bbox_to_anchor=(0.0, (6 + 13 * len(notes)) / height))
+    figure.legend(handles=_legend(), loc="lower left", ncols=2,
+                  bbox_to_anchor=(0.0, (below - 40) / height))
     figure.text(0.01, 6 / height, "\n".join(notes), fontsize=9, linespacing=1.3)
-    figure.get_layout_engine().set(rect=(0.0, below - 30 / height, 1.0, 1.0 - below + 30 / height))
+    figure.get_layout_engine().set(rect=(0.0, below / height, 1.0, 1.0 - below / height))
     return figure
 
 
