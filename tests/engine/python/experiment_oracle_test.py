@@ -1,4 +1,9 @@
-"""`experiment analyse` against what the C++ printed and wrote (oracle/README.md)."""
+"""`experiment analyse` against what the C++ printed and wrote (oracle/README.md).
+
+The verdicts are of another method since then (experiment_analysis_test.py), so that of the findings
+only the paper's statements and the verdicts by the paper's own test are compared, and of the page
+what is below the box.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +20,10 @@ from oracle_cases import cases, table_of
 from page_text import visible_text
 from palpate.analysis.errors import InputError
 from palpate.analysis.experiment import command, page
+from palpate.analysis.experiment.tables import TABLES
 
+# People lead since then, and the texts count people and simulated persons apart.
+MIXED = {"people_and_simulated", "people_and_simulated_with_both_views"}
 # The program refuses these before it starts Python.
 BY_THE_PROGRAM = {"refused_canonical_file", "refused_limit"}
 ZEROS = [
@@ -56,22 +64,43 @@ def run(case, folder, monkeypatch):
 def test_report_has_the_numbers_and_texts(case, tmp_path, monkeypatch):
     monkeypatch.setattr(page, "svg", no_drawing)
     report = run(case, tmp_path, monkeypatch)
-    assert sorted(report.files) == case.results
-    assert case.stdout.startswith(report.text)
+    assert sorted(report.files) == sorted([*case.results, "verdicts.csv"])
+    if case.name not in MIXED:
+        assert case.stdout.splitlines()[0] == report.text.splitlines()[0]
     warnings = [f"palpate: warning: {line}" for line in report.warnings]
     assert Counter(warnings) == Counter(case.stderr.splitlines())
     found, expected = json.loads(report.files["analysis.json"]), case.json("analysis.json")
-    assert list(found) == list(expected)
-    align(case, found, expected)
-    assert_agree(found, expected, ZEROS, case.name)
+    assert [name for name in found if name != "verdicts"] == list(expected)
+    del found["verdicts"]
     for name in found:
         if f"{name}.csv" in report.files:
             rows = table_of(report.files[f"{name}.csv"])
-            heads = list(expected[name][0]) if expected[name] else rows[0]
+            heads = list(found[name][0]) if found[name] else rows[0]
+            if expected[name] and name != "findings":
+                assert heads == list(expected[name][0])
             texts = [heads, *([cell(row[head]) for head in heads] for row in found[name])]
             assert_tables_agree(rows, texts, [], name)
-    assert_same_text(visible_text(report.files["report.html"]),
-                     visible_text(case.text("report.html")), case)  # fmt: skip
+    if case.name in MIXED:
+        for each in (found, expected):
+            each["operators"].sort(key=whose)
+            for name in set(each) & set(TABLES):
+                each[name].sort(key=whose)
+    align(case, found, expected)
+    assert_agree(found, expected, ZEROS, case.name)
+    if case.name not in MIXED:
+        assert_has_lines(sections(report.files["report.html"]), sections(case.text("report.html")))
+
+
+def whose(row):
+    return row["following"], row["view"], row["scale"]
+
+
+def sections(html):
+    """The lines of the operators and of the facts, without explanations of methods."""
+    operators = html[html.index('<section class="operator"'): html.index('<section id="explanations"')]
+    facts = html[html.index('<section id="facts"'):]
+    lines = visible_text(operators) + visible_text(facts)
+    return [line for line in lines if not line.startswith("Significant p values are bold. The")]
 
 
 def cell(value):
@@ -84,11 +113,14 @@ def align(case, found, expected):
         if case.name == "names_with_markup":
             # The C++ compared signed bytes, so that other letters than ASCII came first.
             each["participants"].sort()
-    for mine, theirs in zip(found["findings"], expected["findings"]):
-        theirs["because"] = re.sub(r"= [\d.]+e-\d\d(?=, p = 1\.00)", "= 0", theirs["because"])
-        if case.name in IN_FEWER_DIGITS and mine["because"] != theirs["because"]:
-            assert_close_texts(mine["because"], theirs["because"])
-            theirs["because"] = mine["because"]
+    for rows in (found["findings"], expected["findings"]):
+        for row in rows:
+            papers = row.pop("verdict_of_the_papers_analysis", None)
+            row.setdefault("verdict_by_the_papers_test", papers)
+            for name in ("verdict", "because", "differs_between_followings"):
+                del row[name]
+            if row["finding"] == "losses of contact, Rotation x Haptic":
+                del row["paper_statement"]
     if case.name == "nearly_collinear":
         mine = found["effects"][0]["wilks_lambda"]
         assert mine == pytest.approx(LAMBDA_OF_NEARLY_COLLINEAR, rel=1e-9)
@@ -103,20 +135,23 @@ def align(case, found, expected):
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
-def assert_close_texts(found, expected):
-    """Numbers differ at most by one in the last printed digit, as of 22.125; what is 0 in exact
-    arithmetic may be a rounding."""
-    assert NUMBER.sub("#", found) == NUMBER.sub("#", expected)
+def are_close(found, expected):
+    """Whether numbers differ at most by one in the last printed digit, as of 22.125; what is 0 in
+    exact arithmetic may be a rounding."""
+    if NUMBER.sub("#", found) != NUMBER.sub("#", expected):
+        return False
     for mine, theirs in zip(NUMBER.findall(found), NUMBER.findall(expected)):
         decimals = len(theirs.partition(".")[2])
-        assert float(mine) == pytest.approx(float(theirs), abs=1.01 * 10.0**-decimals)
+        if abs(float(mine) - float(theirs)) > 1.01 * 10.0**-decimals:
+            return False
+    return True
 
 
-def assert_same_text(found, expected, case):
-    assert len(found) == len(expected)
-    for mine, theirs in zip(found, expected):
-        if mine != theirs:
-            assert_close_texts(mine, theirs)
+def assert_has_lines(found, expected):
+    """The expected lines are among the found ones, in their order."""
+    rest = iter(found)
+    for line in expected:
+        assert any(mine == line or are_close(mine, line) for mine in rest), line
 
 
 @pytest.mark.parametrize("case", cases("analyse", refused=True), ids=lambda case: case.name)

@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import analyse_inputs
+import hostile_inputs
 import run_inputs
 from analyse_inputs import FOLLOWINGS
 from made_trials import FACTORS, MEASURES, VARIANT, text_of
@@ -102,6 +103,12 @@ def analyse(kind: Kind) -> None:
         kind.add(name, about, ["experiment", "analyse", "trials.csv", *more], "analysis", {"trials.csv": content})
 
 
+def trials(kind: Kind) -> None:
+    for name, content in hostile_inputs.texts().items():
+        kind.add(name, name.replace("_", " "), ["experiment", "analyse", "trials.csv"], "analysis",
+                 {"trials.csv": content})
+
+
 def runs(cases: dict[str, Given], out: str) -> Callable[[Kind], None]:
     def write(kind: Kind) -> None:
         for name, (about, arguments, inputs) in cases.items():
@@ -110,6 +117,7 @@ def runs(cases: dict[str, Given], out: str) -> Callable[[Kind], None]:
 
 
 KINDS = {"analyse": analyse,
+         "trials": trials,
          "compare": runs(run_inputs.compare_cases(), "compare"),
          "power": runs(run_inputs.power_cases(), "power"),
          "sweep": runs(run_inputs.sweep_cases(), "sweep"),

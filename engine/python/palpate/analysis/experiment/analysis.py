@@ -14,9 +14,10 @@ from palpate.analysis.numbers import number_or_dash
 from .as_paper import AsPaper, analyse_as_paper, experiment_notes
 from .differences import Difference, differences_of
 from .experiments import Experiment, experiments_of
-from .findings import AGREES, DISAGREES, FindingResult, judge
+from .findings import FindingResult, judge
 from .outcomes import ANGLE, OUTCOMES, TIME_TO_LIMIT, Outcome
 from .primary import Primary, analyse_repeated_measures
+from .verdicts import AGREES, DISAGREES
 
 
 @dataclass

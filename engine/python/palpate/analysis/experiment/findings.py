@@ -1,8 +1,8 @@
 """Whether trials agree with the findings of the paper.
 
-If the paper found an effect, trials agree if the effect is significant at 5 % and the means have
-the paper's order. If the paper found no effect, trials agree if the effect is not significant. The
-primary analysis decides. It has no MANOVA; for the MANOVA, the paper's analysis decides.
+The effects of the primary analysis are compared with those of the paper (verdicts.py). Where the
+paper prints no effect but only a significant test, trials agree if theirs is significant, and are
+undecided if not. For the MANOVA that is the test of the paper's analysis.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from palpate.analysis.numbers import f_text, number_or_dash, p_text
+from palpate.analysis.numbers import f_text, p_text
 from palpate.analysis.statistics import SIGNIFICANCE
 
 from .as_paper import AsPaper
@@ -22,8 +22,16 @@ from .experiments import HAPTIC, Experiment
 from .outcomes import ANGLE, Outcome
 from .paper import FINDINGS, Claim, Finding
 from .primary import Primary
+from .verdicts import (
+    AGREES,
+    DISAGREES,
+    NOT_TESTABLE,
+    UNDECIDED,
+    Comparison,
+    comparisons_of,
+    verdict_of,
+)
 
-AGREES, DISAGREES, NOT_TESTABLE = VERDICTS = ("agrees", "disagrees", "not testable")
 NO_EVIDENCE = (
     "the trials do not have all levels of the effect, too few participants are complete, or the "
     "effect is equal in all participants"
@@ -44,10 +52,15 @@ class Evidence:
 
 @dataclass(frozen=True)
 class FindingResult:
+    """comparisons: of effects, which the verdict needs. by_the_papers_test: the verdict of the test
+    that the paper used, with all trials as independent: significant or not, and the order of the
+    means; None for the contact angle."""
+
     finding: Finding
     verdict: str
-    because: str  # "F(2, 18) = 14.2, p = 0.001; H 27.1 < UaH 27.3 < NoH 29.1 s"
-    as_paper: str | None  # the verdict of the analysis as the paper did it; None for the angle
+    because: str
+    by_the_papers_test: str | None
+    comparisons: list[Comparison]
 
 
 def judge(
@@ -62,37 +75,46 @@ def judge(
     for finding in FINDINGS:
         testable = "Haptic" not in finding.term or len(experiment.levels["Haptic"]) == len(HAPTIC)
         as_paper = _paper_evidence(experiment, paper, finding) if testable else None
-        decisive = as_paper
-        if finding.outcome is not None:
+        verdict, because, comparisons = NOT_TESTABLE, NO_EVIDENCE, list[Comparison]()
+        if testable and finding.outcome is not None:
             analysis = angle if finding.outcome is ANGLE else primary.get(finding.outcome)
-            decisive = _primary_evidence(experiment, analysis, finding) if testable else None
-        results.append(
-            FindingResult(
-                finding,
-                _verdict(finding, decisive),
-                _reason(finding, decisive),
-                None if finding.outcome is ANGLE else _verdict(finding, as_paper),
-            )
-        )
+            if analysis:
+                verdict, because, comparisons = _by_effects(experiment, analysis, finding)
+        elif as_paper:
+            verdict, because = _by_significance(as_paper)
+        papers = None if finding.outcome is ANGLE else _papers_verdict(finding, as_paper)
+        results.append(FindingResult(finding, verdict, because, papers, comparisons))
     return results
+
+
+def _by_effects(
+    experiment: Experiment, analysis: Primary, finding: Finding
+) -> tuple[str, str, list[Comparison]]:
+    assert finding.outcome is not None
+    if finding.claim is Claim.EFFECT:
+        effect = analysis.effect(finding.term)
+        if effect is None or np.isnan(effect["f"]):
+            return NOT_TESTABLE, NO_EVIDENCE, []
+        test = Evidence(effect["f"], effect["df1"], effect["df2"], effect["p_gg"], {})
+        return *_by_significance(test), []
+    comparisons = comparisons_of(experiment, analysis, finding)
+    verdict = verdict_of(comparisons)
+    if verdict == NOT_TESTABLE:
+        return NOT_TESTABLE, NO_EVIDENCE, comparisons
+    texts = [comparison.text(finding.outcome.unit) for comparison in comparisons]
+    return verdict, "; ".join(texts), comparisons
+
+
+def _by_significance(test: Evidence) -> tuple[str, str]:
+    """Where the paper prints no effect."""
+    if np.isnan(test.p):
+        return NOT_TESTABLE, NO_EVIDENCE
+    words = f"{f_text(test.f, test.df1, test.df2)}, {p_text(test.p)}"
+    return AGREES if test.p < SIGNIFICANCE else UNDECIDED, words
 
 
 def _has_levels(experiment: Experiment, finding: Finding) -> bool:
     return set(finding.ascending) <= set(experiment.levels[finding.term[0]])
-
-
-def _primary_evidence(
-    experiment: Experiment, analysis: Primary | None, finding: Finding
-) -> Evidence | None:
-    effect = analysis.effect(finding.term) if analysis else None
-    if analysis is None or effect is None or np.isnan(effect["f"]):
-        return None
-    means = {}
-    for level in finding.ascending if _has_levels(experiment, finding) else ():
-        at = {finding.term[0].lower(): level}
-        mean = analysis.mean(**at)
-        means[level] = np.nan if mean is None else float(mean["mean"])
-    return Evidence(effect["f"], effect["df1"], effect["df2"], effect["p_gg"], means)
 
 
 def _paper_evidence(
@@ -111,7 +133,7 @@ def _paper_evidence(
     return Evidence(test["f"], test["df1"], test["df2"], test["p"], means)
 
 
-def _verdict(finding: Finding, evidence: Evidence | None) -> str:
+def _papers_verdict(finding: Finding, evidence: Evidence | None) -> str:
     if evidence is None or np.isnan(evidence.p):
         return NOT_TESTABLE
     agrees = evidence.p < SIGNIFICANCE
@@ -122,14 +144,3 @@ def _verdict(finding: Finding, evidence: Evidence | None) -> str:
             return NOT_TESTABLE
         agrees = agrees and all(a < b for a, b in pairwise(evidence.means.values()))
     return AGREES if agrees else DISAGREES
-
-
-def _reason(finding: Finding, evidence: Evidence | None) -> str:
-    if evidence is None:
-        return NO_EVIDENCE
-    text = f"{f_text(evidence.f, evidence.df1, evidence.df2)}, {p_text(evidence.p)}"
-    if finding.outcome is None or not evidence.means:
-        return text
-    order = sorted(evidence.means.items(), key=lambda level: level[1])
-    found = " < ".join(f"{level} {number_or_dash(mean)}" for level, mean in order)
-    return f"{text}; {found} {finding.outcome.unit}".rstrip()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 
 from palpate.analysis.numbers import as_printed
-from palpate.analysis.statistics import Term, effect_name
+from palpate.analysis.statistics import Term, effect_name, t_for_coverage
 
 from .outcomes import ANGLE, LOSSES, PENETRATION, TIME, Outcome
 
@@ -67,6 +68,59 @@ MEANS: dict[tuple[Outcome, str], tuple[float, float]] = {
 }
 
 
+TRIALS = 720
+HAPTIC_LEVELS, ROTATION_LEVELS = ("NoH", "UaH", "H"), ("NoR", "R")
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A difference of two means with its 95 % interval."""
+
+    difference: float
+    low: float
+    high: float
+
+
+def difference(outcome: Outcome, higher: str, lower: str) -> Effect:
+    """The paper's difference of the means at two levels of one factor.
+
+    The standard error comes from F: of two levels it is the difference divided by sqrt(F); of
+    three, sqrt(2 MSE / n) with MSE = MS of the printed means / F. As in the paper, trials are
+    independent.
+    The interval has room for the rounding of the printed means.
+    """
+    rounding = sum(_half_unit(MEANS[outcome, level][0]) for level in (higher, lower))
+    d = MEANS[outcome, higher][0] - MEANS[outcome, lower][0]
+    if higher in ROTATION_LEVELS:
+        f = F[outcome, R][0]
+        half = float(t_for_coverage(ANGLE_ERROR_DF if outcome is ANGLE else ERROR_DF)) / f**0.5
+        return Effect(d, (d - rounding) * (1.0 - half), (d + rounding) * (1.0 + half))
+    means = [MEANS[outcome, level][0] for level in HAPTIC_LEVELS]
+    n = TRIALS / len(means)
+    mean = sum(means) / len(means)
+    mean_square = n * sum((m - mean) ** 2 for m in means) / (len(means) - 1.0)
+    error = (2.0 * mean_square / F[outcome, H][0] / n) ** 0.5
+    half = float(t_for_coverage(ERROR_DF)) * error + rounding
+    return Effect(d, d - half, d + half)
+
+
+def _half_unit(value: float) -> float:
+    """Half a unit of the last printed digit."""
+    return 0.5 * 10.0 ** -len(as_printed(value).partition(".")[2])
+
+
+def equivalence_margin(outcome: Outcome) -> float:
+    """Half of the smallest difference of means that the paper calls significant in a measure."""
+    pairs = [
+        pair
+        for finding in FINDINGS
+        if finding.outcome is outcome and finding.claim is Claim.ORDER
+        for pair in pairwise(finding.ascending)
+    ]
+    differences = [difference(outcome, higher, lower).difference for lower, higher in pairs]
+    return 0.5 * min(differences)
+
+
 class Claim(Enum):
     ORDER = "significant, with means in this order"
     EFFECT = "significant; the paper's text does not state the means"
@@ -119,10 +173,29 @@ FINDINGS: tuple[Finding, ...] = (
     Finding(TIME, RH, Claim.NO_EFFECT, "no interaction"),
     Finding(LOSSES, H, Claim.ORDER, "H loses contact least often, then UaH, then NoH", _H_UAH_NOH),
     Finding(LOSSES, R, Claim.ORDER, "with rotation, contact is lost more often", _NOR_R),
-    Finding(LOSSES, RH, Claim.NO_EFFECT, "no interaction"),
+    Finding(LOSSES, RH, Claim.NO_EFFECT, "no more than a trend of an interaction"),
     Finding(PENETRATION, H, Claim.ORDER, "H is least deep, then UaH, then NoH", _H_UAH_NOH),
     Finding(PENETRATION, R, Claim.NO_EFFECT, "rotation makes no difference"),
     Finding(PENETRATION, RH, Claim.EFFECT, "the effect of rotation depends on the force"),
     Finding(ANGLE, R, Claim.ORDER, "in UaH, rotation makes the angle smaller", ("R", "NoR")),
     *(Finding(None, term, Claim.MULTIVARIATE, "an effect") for term in MANOVA),
 )
+
+# What simulated persons cannot show, because they are built so: the outcome and the effect, and why.
+BY_CONSTRUCTION: tuple[tuple[Outcome | None, Term, str], ...] = (
+    (PENETRATION, H, "force makes the penetration smaller because both hands are springs"),
+    (ANGLE, R, "rotation makes the contact angle smaller because A4 turns the normal to the motor"),
+    (None, T, "blocks do not differ, because nobody learns"),
+    (TIME, R, "rotation costs hardly any time, because only a person with the following frozen is "
+              "led astray by the turning scene"),
+    (LOSSES, H, "force saves no losses, because a person does not use the force that is felt; only "
+                "the passive hand meets it"),
+)  # fmt: skip
+
+
+def reason_by_construction(finding: Finding) -> str | None:
+    """Why simulated persons are no evidence for or against a finding; None if they may be."""
+    for outcome, term, reason in BY_CONSTRUCTION:
+        if (finding.outcome, finding.term) == (outcome, term):
+            return reason
+    return None

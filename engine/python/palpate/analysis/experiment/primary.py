@@ -37,6 +37,7 @@ class Primary:
     effects: `term`, `participants` and EFFECT, which are NaN if fewer than two participants have
     all cells, or if the effect is the same for all of them.
     pairs: `family`, `pair`, the attributes of PairedT and `p_holm`, adjusted within the family.
+    cells: the participants' means by participant, Haptic and Rotation; NaN: not all conditions.
     means: `Haptic`, `Rotation` ("all": over all levels), `mean`, `half_width` (Cousineau-Morey) and
     `participants`; the levels of Haptic, those of Rotation, then their combinations. The means of
     a group are of the same participants; without any, it has no rows.
@@ -47,6 +48,7 @@ class Primary:
     effects: pd.DataFrame
     pairs: pd.DataFrame
     means: pd.DataFrame
+    cells: Array
 
     def effect(self, term: Term) -> pd.Series[float] | None:
         found = self.effects[self.effects["term"] == term]
@@ -79,6 +81,7 @@ def analyse_repeated_measures(
         pd.DataFrame(effects, columns=["term", "participants", *EFFECT]),
         _pairs(by_levels, levels),
         _means(by_levels, levels, only_haptic),
+        by_levels,
     )
 
 

@@ -29,7 +29,9 @@ COLUMNS = {
     "missing_trials": """following haptic rotation object done timeouts faults absent timeout_share
         timeout_share_low timeout_share_high""",
     "findings": """following finding paper_statement paper_figures verdict because
-        verdict_of_the_papers_analysis differs_between_followings""",
+        verdict_by_the_papers_test differs_between_followings""",
+    "verdicts": """following finding comparison unit difference low_95 high_95 margin p p_holm
+        participants paper_difference paper_low_95 paper_high_95 verdict""",
 }
 DIFFERENCES = """following view align start_orientation_deg scale other_following other_view
     other_align other_start_orientation_deg other_scale outcome unit haptic rotation difference
@@ -41,9 +43,10 @@ MEAN_LEVELS = (["Haptic"], ["Rotation"], ["Object"], ["Haptic", "Rotation"])
 
 
 def tables_of(analysis: ExperimentAnalysis) -> dict[str, pd.DataFrame]:
-    """Every F, every comparison, every mean, the missing trials by condition, the verdicts, and the
-    differences between variants, which are none in a file with one variant."""
-    makers = (_effects, _comparisons, _means, _missing, _findings)
+    """Every F, every comparison, every mean, the missing trials by condition, the verdicts with
+    the comparisons that they need, and the differences between variants, which are none in a
+    file with one variant."""
+    makers = (_effects, _comparisons, _means, _missing, _findings, _verdicts)
     tables = {}
     for (name, columns), maker in zip(COLUMNS.items(), makers):
         frames = [_of(each, maker(analysis, each)) for each in analysis.operators]
@@ -220,11 +223,37 @@ def _findings(analysis: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFr
             "paper_figures": result.finding.printed,
             "verdict": result.verdict,
             "because": result.because,
-            "verdict_of_the_papers_analysis": result.as_paper,
+            "verdict_by_the_papers_test": result.by_the_papers_test,
             "differs_between_followings": int(i in differing),
         }
         for i, result in enumerate(each.findings)
     )
+
+
+def _verdicts(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
+    rows = []
+    for result in each.findings:
+        for comparison in result.comparisons:
+            ours, paper = comparison.ours, comparison.paper
+            rows.append(
+                {
+                    "finding": result.finding.name,
+                    "comparison": comparison.name,
+                    "unit": result.finding.outcome.unit if result.finding.outcome else "",
+                    "difference": ours.difference,
+                    "low_95": ours.low,
+                    "high_95": ours.high,
+                    "margin": comparison.margin,
+                    "p": comparison.p,
+                    "p_holm": comparison.p_holm,
+                    "participants": comparison.participants,
+                    "paper_difference": paper.difference if paper else None,
+                    "paper_low_95": paper.low if paper else None,
+                    "paper_high_95": paper.high if paper else None,
+                    "verdict": comparison.verdict,
+                }
+            )
+    return pd.DataFrame(rows)
 
 
 def _differences(analysis: ExperimentAnalysis) -> pd.DataFrame:

@@ -5,7 +5,14 @@ once. A value that the data do not determine is NaN.
 """
 
 from .comparisons import PairedT, fisher_plsd, holm, paired_t
-from .distributions import f_for_tail, f_tail, t_for_coverage, t_two_sided, z_for_coverage
+from .distributions import (
+    f_for_tail,
+    f_tail,
+    t_for_coverage,
+    t_tail,
+    t_two_sided,
+    z_for_coverage,
+)
 from .factorial import Design, DesignError, FixedEffect, Fit, Wilks, rao
 from .intervals import (
     COVERAGE,
@@ -24,5 +31,5 @@ __all__ = [
     "PairedT", "RepeatedEffect", "RepeatedMeasures", "Term", "Wilks", "all_terms",
     "clopper_pearson", "cousineau_morey", "effect_name", "f_for_tail", "f_tail", "fisher_plsd",
     "holm", "mean_interval", "paired_t", "rao", "repeated_measures", "repeated_measures_of",
-    "t_for_coverage", "t_two_sided", "wilson", "z_for_coverage",
+    "t_for_coverage", "t_tail", "t_two_sided", "wilson", "z_for_coverage",
 ]  # fmt: skip

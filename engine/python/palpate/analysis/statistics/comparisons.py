@@ -14,8 +14,8 @@ from .types import EPSILON, Array
 
 @dataclass(frozen=True)
 class PairedT:
-    """A t test of paired values. t, p and half_width are NaN if all differences are equal to
-    within rounding, or if there are fewer than two pairs."""
+    """A t test of paired values. t, p, half_width and standard_error are NaN if all differences are
+    equal to within rounding, or if there are fewer than two pairs."""
 
     pairs: int
     difference: float  # mean of a - b; NaN without a pair
@@ -23,6 +23,7 @@ class PairedT:
     df: float
     p: float  # two-sided
     half_width: float  # of the 95 % interval of the difference
+    standard_error: float
 
 
 def paired_t(a: ArrayLike, b: ArrayLike) -> PairedT:
@@ -31,18 +32,19 @@ def paired_t(a: ArrayLike, b: ArrayLike) -> PairedT:
     both = both[:, ~np.isnan(both).any(axis=0)]
     n = both.shape[1]
     if n == 0:
-        return PairedT(0, *[np.nan] * 5)
+        return PairedT(0, *[np.nan] * 6)
     rounding = (n + 2.0) * EPSILON * np.abs(both).max()  # a deviation rounds n + 2 times
     differences = both[0] - both[1]
     mean = float(differences.mean())
     mean = mean if abs(mean) > rounding else 0.0
     squares = float(np.square(differences - mean).sum())
     if n < 2 or not squares > n * rounding**2:
-        return PairedT(n, mean, np.nan, n - 1.0, np.nan, np.nan)
+        return PairedT(n, mean, np.nan, n - 1.0, np.nan, np.nan, np.nan)
     error = np.sqrt(squares / (n - 1.0) / n)
     t = mean / error
     half_width = float(t_for_coverage(n - 1.0) * error)
-    return PairedT(n, mean, float(t), n - 1.0, float(t_two_sided(t, n - 1.0)), half_width)
+    p = float(t_two_sided(t, n - 1.0))
+    return PairedT(n, mean, float(t), n - 1.0, p, half_width, float(error))
 
 
 def fisher_plsd(

@@ -28,6 +28,11 @@ def t_two_sided(t: Numbers, df: Numbers) -> Any:
     return 2.0 * special.stdtr(df, -np.abs(t))
 
 
+def t_tail(t: Numbers, df: Numbers) -> Any:
+    """P(T > t) for Student's t."""
+    return special.stdtr(df, np.negative(t))
+
+
 def t_for_coverage(df: Numbers, coverage: float = 0.95) -> Any:
     """The t with P(|T| > t) = 1 - coverage; NaN unless coverage is in (0, 1) and df > 0."""
     df = np.where(np.greater(df, 0.0) & (0.0 < coverage < 1.0), df, np.nan)
