@@ -1,16 +1,15 @@
-"""Draws a4_helps.svg: which assumption decides whether A4 helps.
+"""The table and the figure of the sweep over our assumptions: whether A4 helps.
 
 For each measure in the condition UaH whose share is not 0 or 1, and for each assumption that the sweep
-varies, the share of the hypercube's testable points at which the measure is smaller with A4: in the low and
-in the high half of the assumption, or at each of its words. measure_sweep.py writes the data. The texts are
-readable at a width of 400 px.
+varies, the figure has the share of the hypercube's testable points at which the measure is smaller with
+A4: in the low and in the high half of the assumption, or at each of its words. measure_sweep.py writes
+the data.
 """
 
 import json
 import math
 
 import result_tables as tables
-import svg
 from result_tables import BadInput
 
 # The measure, and the name of its ranking.
@@ -34,23 +33,6 @@ ASSUMPTIONS = {
     "scale": "size of objects",
 }
 HALVES = ("low half", "high half")
-
-LOW = "none"
-HIGH = svg.BLUE
-DECIDES = svg.RED
-MUTED = svg.INK
-GRID = "#78787859"
-RADIUS = 5
-
-WIDTH = 520
-MARGIN = 14
-TOP = 46
-ROW = 24
-NAMES = 142  # width of the names
-GAP = 24
-LINE = 19  # between lines of text
-TEXT = 15
-LETTER = 0.52 * TEXT  # the mean width of a letter
 
 
 def read(folder):
@@ -99,82 +81,28 @@ def answer(data):
     return lines
 
 
-def draw(data):
-    rows, measures = list(ASSUMPTIONS), drawn(data)
-    said = answer(data)
-    top = TOP + LINE * len(said) + 42
-    bottom = top + ROW * len(rows)
-    notes = notes_of(data)
-    picture = svg.Drawing(WIDTH, bottom + 74 + LINE * len(notes),
-                          "Which assumption decides whether A4 helps")
-    picture.text((MARGIN, 26), "Which assumption decides whether A4 helps", 19, bold=True)
-    for n, line in enumerate(said):
-        picture.text((MARGIN, TOP + 4 + LINE * n), line, TEXT)
-    for n, parameter in enumerate(rows):
-        picture.text((MARGIN, top + ROW * (n + 0.5) + 5), ASSUMPTIONS[parameter], TEXT)
-    panel = panel_width(measures)
-    for n, measure in enumerate(measures):
-        left = MARGIN + NAMES + n * (panel + GAP)
-        draw_panel(picture, data, measure, (left, panel, top, bottom), rows)
-    draw_legend(picture, bottom + 48)
-    for n, note in enumerate(notes):
-        picture.text((MARGIN, bottom + 70 + LINE * n), note, TEXT, MUTED)
-    return picture.svg()
+def shares_of(data, words, name):
+    """The rows of a measure in the figure."""
+    decides = decisive(ranking(data, name))
+    return [{"measure": words, "assumption": ASSUMPTIONS[parameter],
+             "part": row["part"] if row["part"] in HALVES else "word", "share": row["share"],
+             "decides": int(parameter in decides)}
+            for parameter in ASSUMPTIONS for row in parts(data, name, parameter)
+            if row["share"] is not None]
 
 
-def panel_width(measures):
-    return (WIDTH - 2 * MARGIN - NAMES - (len(measures) - 1) * GAP) / max(1, len(measures))
-
-
-def draw_panel(picture, data, measure, frame, rows):
-    left, panel, top, bottom = frame
-    words, name = measure
-    of_all = ranking(data, name)
-
-    def x_of(share):
-        return left + share * panel
-
-    picture.text((left, top - 10), words, TEXT, bold=True)
-    for share in (0.0, 0.5, 1.0):
-        picture.line([(x_of(share), top), (x_of(share), bottom)], GRID)
-    for share, anchor in ((0.0, "start"), (1.0, "end")):
-        picture.text((x_of(share), bottom + 18), f"{100 * share:.0f} %", TEXT, MUTED, anchor)
-    picture.rectangle((x_of(of_all["low"]), top),
-                      ((of_all["high"] - of_all["low"]) * panel, bottom - top), svg.FAINT)
-    picture.line([(x_of(of_all["share"]), top), (x_of(of_all["share"]), bottom)], MUTED, 1, "4 3")
-    for n, parameter in enumerate(rows):
-        y = top + ROW * (n + 0.5)
-        decides = parameter in decisive(of_all)
-        colour = DECIDES if decides else HIGH
-        of = [row for row in parts(data, name, parameter) if row["share"] is not None]
-        shares = [x_of(row["share"]) for row in of]
-        if shares:
-            first, last = min(shares), max(shares)
-            for row, x in zip(of, shares):  # a line ends at the ring of a low half
-                if row["part"] == HALVES[0] and last - first > RADIUS:
-                    first, last = (first + RADIUS, last) if x == first else (first, last - RADIUS)
-            picture.line([(first, y), (last, y)], colour, 3 if decides else 1.5)
-        for row, x in zip(of, shares):
-            if row["part"] in HALVES:
-                picture.circle((x, y), RADIUS, LOW if row["part"] == HALVES[0] else colour, colour, 1.8)
-            else:
-                picture.rectangle((x - 3, y - 5), (6, 10), colour)
-
-
-def draw_legend(picture, y):
-    x = MARGIN
-    for fill, text, colour in ((LOW, "low half", HIGH), (HIGH, "high half", HIGH),
-                               ("word", "one word", HIGH), (DECIDES, "decides most (p < 0.05)", DECIDES)):
-        if fill == "word":
-            picture.rectangle((x + 3, y - 10), (6, 10), colour)
-        else:
-            picture.circle((x + 6, y - 5), RADIUS, fill, colour, 1.8)
-        picture.text((x + 16, y), text, TEXT)
-        x += 34 + LETTER * len(text)
+def figure_table(data):
+    """What palpate.analysis.results.a4_helps draws."""
+    measures = drawn(data)
+    return {"shares": [row for words, name in measures for row in shares_of(data, words, name)],
+            "measures": [{"measure": words, **{key: ranking(data, name)[key]
+                                               for key in ("share", "low", "high")}}
+                         for words, name in measures],
+            "notes": answer(data) + notes_of(data)}
 
 
 def notes_of(data):
-    """Lines below the figure."""
+    """Lines below the figure, after the answer."""
     untestable = max(ranking(data, name)["untestable"] for _, name in MEASURES)
     text = ["Dashed: all points, with Wilson's 95 % interval. A coin gives 50 %."]
     if untestable:
@@ -231,8 +159,8 @@ def made(folder, make):
         raise BadInput(f"{folder}: expected sweep.json of measure_sweep.py ({error!r})") from error
 
 
-def svg_of(folder):
-    return made(folder, draw)
+def figure_of(folder):
+    return made(folder, figure_table)
 
 
 def block(folder):
