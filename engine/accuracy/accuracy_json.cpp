@@ -43,6 +43,7 @@ Json advice_json(const Advice& advice) {
   for (const std::string& word : command_words(advice)) words.push_back(printable(word));
   return {{"subject", advice.subject},
           {"device", advice.device},
+          {"busy", advice.busy},
           {"answers", answers},
           {"command", words}};
 }
@@ -102,6 +103,7 @@ Json knob_json(const KnobResult& result) {
           {"methods_are_given", knob.methods_are_given},
           {"default", place_json(result.default_place())},
           {"recommended", result.recommended ? place_json(*result.recommended) : Json(nullptr)},
+          {"undecided", result.undecided ? place_json(*result.undecided) : Json(nullptr)},
           {"decided_by", printable(result.decided_by_title)},
           {"enough", knob.enough},
           {"enough_because", printable(knob.enough_because)},

@@ -35,6 +35,7 @@ struct Advice {
   // knobs recommend; what this machine keeps is an answer of its own, behind the rate.
   std::string subject;  // "For this device and this scene"
   std::string device;   // "mass 0.1 kg, damping ..."
+  std::string busy;     // a sentence, if other programs used the machine meanwhile
   std::vector<Answer> answers;
   // A command that applies the settings to a simulated device; it begins with AdviceInput::program.
   std::vector<std::string> command;
@@ -46,6 +47,7 @@ struct AdviceInput {
   DeviceDescription device;
   CouplingSettings coupling;               // coupling of the loop: set by the user, or the default
   std::optional<double> rate_Hz = {};      // the rate that the user asks for; no value: none
+  double others_cores = 0.0;               // cores_of_others() while it was measured
   std::vector<std::string> scene_options;  // for `palpate run`: the path, then scene options
   std::string program = "palpate";         // first word of the command
 };

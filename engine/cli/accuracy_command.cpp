@@ -13,6 +13,7 @@
 #include "engine/accuracy/accuracy_json.h"
 #include "engine/accuracy/advice.h"
 #include "engine/accuracy/knobs.h"
+#include "engine/accuracy/machine_load.h"
 #include "engine/accuracy/measurement.h"
 #include "engine/accuracy/recommendation.h"
 #include "engine/accuracy/scene_findings.h"
@@ -213,6 +214,12 @@ std::optional<Error> write_measured(const AccuracyResults& all, const OutputFile
   return std::nullopt;
 }
 
+// The cores that other programs used since then; 0 if the system does not say.
+double others_cores(const std::optional<CpuTimes>& before) {
+  const auto now = cpu_times_now();
+  return before && now ? cores_of_others(*before, *now) : 0.0;
+}
+
 // Checks that results can be written, and keeps other commands out of the folder. It has no file
 // until write_in_place(), because a signal ends the measurements at once.
 Result<OutputFiles> take_out_folder(const std::string& folder, const MeasurementEffort& effort) {
@@ -283,7 +290,9 @@ Row row_of(const KnobResult& result) {
                                : "failed",
           level.was_measured() ? human(level.time.median, result.knob.time.unit) : "-",
           result.default_is_on_front() ? "yes" : "no, see report",
-          result.recommended ? place_text(result, *result.recommended) : "none",
+          result.recommended ? place_text(result, *result.recommended)
+          : result.undecided ? "none, see report"
+                             : "none",
           order_text(result)};
 }
 
@@ -332,6 +341,7 @@ int accuracy(const AccuracyRequest& command) {
   if (!files) return refuse(files.error());
   if (signal_flag().requested()) return report_nothing_is_written();
 
+  const auto before = cpu_times_now();
   std::optional<Scene> scene;
   std::optional<SceneFindings> findings;
   if (!command.scene.path.empty()) {
@@ -355,7 +365,7 @@ int accuracy(const AccuracyRequest& command) {
   const auto advice =
       advise({results, findings ? &*findings : nullptr, setup->device, setup->haptics.coupling,
               command.asks_rate ? std::optional(command.settings.rate_Hz) : std::nullopt,
-              options_of_run(command.scene), program_name()});
+              others_cores(before), options_of_run(command.scene), program_name()});
   if (!advice) return refuse(advice.error());
   const auto chart =
       stiffness_chart(setup->device, setup->haptics.coupling, command.settings.rate_Hz);

@@ -288,7 +288,8 @@ struct ExperimentAnalyseRequest {
 
 constexpr std::array kAnalysisNames = {"report.html",       "analysis.json", "effects.csv",
                                        "comparisons.csv",   "means.csv",     "missing_trials.csv",
-                                       "findings.csv",      "verdicts.csv",  "differences.csv"};
+                                       "findings.csv",      "verdicts.csv",  "variances.csv",
+                                       "loss_rates.csv",    "differences.csv"};
 
 // An error if there is no such file, or if it has other results than trials. The file becomes an
 // input, which no output replaces.
@@ -316,7 +317,7 @@ int analyse(const ExperimentAnalyseRequest& request) {
   PageOutcome outcome = make_page({"experiment", "--trials=" + request.file,
                                    "--limit=" + as_printed(request.limit_s)},
                                   *files);
-  outcome.text += "report.html, analysis.json and 7 tables are in " + request.out_dir + "/\n";
+  outcome.text += "report.html, analysis.json and 9 tables are in " + request.out_dir + "/\n";
   return finish_page(outcome, *files);
 }
 
@@ -330,9 +331,10 @@ void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
       "  ./run.sh experiment analyse experiment/trials.csv --out analysis\n",
       "report.html states what agrees with the paper and what does not, with figures and all "
       "statistics.\nanalysis.json has the same numbers for other programs, and effects.csv, "
-      "comparisons.csv, means.csv,\nmissing_trials.csv, findings.csv, verdicts.csv and "
-      "differences.csv have them as tables. Trials with several\nlevels of view, align, start "
-      "orientation or scale are analysed separately, and compared in differences.csv.\n\n"
+      "comparisons.csv, means.csv,\nmissing_trials.csv, findings.csv, verdicts.csv, "
+      "variances.csv,\nloss_rates.csv and differences.csv have them as tables. Trials with several "
+      "levels of view, align,\nstart orientation or scale are analysed separately, and compared in "
+      "differences.csv.\n\n"
       "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
       "(NoR, R),\nobject, status (done, timeout, fault), total_time_s, losses_of_contact and "
       "mean_penetration_m or\nmean_penetration_dm; mean_contact_angle_deg is optional.\n");

@@ -210,6 +210,31 @@ TEST(Advice, SettingsThatWereNotMeasuredStayAtTheDefault) {
 
 // ---- decisions ---------------------------------------------------------------------------------
 
+TEST(Advice, WhiskersWiderThanTheEffectChangeNoSetting) {
+  std::vector<KnobResult> results = all_results();
+  results.push_back(scene_resolution(200.0));
+  for (KnobResult& result : results) {
+    result.undecided = std::exchange(result.recommended, std::nullopt);
+  }
+  const auto is_unchanged = [&](const AdviceInput& input) {
+    const Advice advice = test::made(advise(input));
+    EXPECT_EQ(advice.command, test::made(advise(input_of({}))).command);
+    EXPECT_EQ(
+        answer_of(advice, "Rate").reason,
+        "The default: the effect of servo_rate and servo_pressed is smaller than the spread of "
+        "the repeats; measure again on an idle machine.");
+    EXPECT_TRUE(says(answer_of(advice, "Velocity window").reason, "the effect of velocity_total"));
+    EXPECT_TRUE(says(answer_of(advice, "Mesh").reason, "scene_resolution is smaller than the"));
+    EXPECT_EQ(answer_of(advice, "Mesh").value, "as in the file");
+  };
+  is_unchanged(input_of(results));
+  results[0] = mesh_depth();
+  const SceneFindings scene = findings(8000.0);
+  AdviceInput on_scene = input_of(results);
+  on_scene.scene = &scene;
+  is_unchanged(on_scene);
+}
+
 // A slow machine, or a busy one, changes no answer; what it keeps is said beside them.
 TEST(Advice, WhatTheMachineKeepsIsAnAnswerOfItsOwn) {
   const std::vector<KnobResult> results = all_results();
@@ -233,6 +258,17 @@ TEST(Advice, WhatTheMachineKeepsIsAnAnswerOfItsOwn) {
   input.scene = &none;
   EXPECT_EQ(answer_of(*advise(input), "This machine").value, "keeps none of the rates tried");
   EXPECT_EQ(advise(input)->command, on_fast.command);
+}
+
+TEST(Advice, ABusyMachineIsSaidInBoxAndTerminal) {
+  AdviceInput input = input_of({});
+  EXPECT_EQ(advise(input)->busy, "");
+  EXPECT_FALSE(says(advice_text(*advise(input)), "busy"));
+  input.others_cores = 1.34;
+  const Advice advice = test::made(advise(input));
+  EXPECT_TRUE(says(advice.busy, "This machine was busy: other programs used 1.34 of its "));
+  EXPECT_TRUE(
+      says(advice_text(advice), "):\n  This machine was busy: other programs used 1.34 of "));
 }
 
 TEST(Advice, TheRateAskedForIsAnswered) {

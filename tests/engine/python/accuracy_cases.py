@@ -1,7 +1,7 @@
 """What `palpate accuracy` measured in three cases, and the pages that C++ made of them.
 
 star: all knobs and a scene. gallery: five knobs, a scene with surfaces of their own, an exact
-encoder and a stated delay. sample: made-up knobs (`make_report accuracy`), one of them with hostile
+encoder and a stated delay. sample: made-up knobs, one of them with hostile
 texts.
 """
 
@@ -24,8 +24,12 @@ def _files() -> dict[str, str]:
 
 
 def facts(case: str) -> Any:
-    """The content of accuracy.json."""
-    return json.loads(_files()[f"{case}/accuracy.json"])
+    """The content of accuracy.json, with the members that came after the pages of C++."""
+    content = json.loads(_files()[f"{case}/accuracy.json"])
+    content["advice"]["busy"] = ""
+    for knob in content["knobs"]:
+        knob["undecided"] = None
+    return content
 
 
 def old_page(case: str) -> list[str]:

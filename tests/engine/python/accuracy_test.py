@@ -23,6 +23,9 @@ from palpate.analysis.errors import InputError
 
 METRES = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9}
 NASTY = "<script>alert(1)</script> & \"quotes\", 'single' commas, `true` \\ @x $y ${z} ?"
+# What methods changed since then added to the text.
+WHY_NONE = (" None: the quartiles of the level that would be recommended overlap those of the "
+            "default.")
 
 
 def random(seed):
@@ -77,6 +80,7 @@ def test_the_page_says_what_the_page_of_c_plus_plus_said(case, tmp_path, monkeyp
     monkeypatch.setattr(figures, "svg", lambda *_: Markup('<svg viewBox="0 0 1 1"></svg>'))
     page = made(cases.put(case, tmp_path))["report.html"]
     old = Counter(line.replace("medians, whiskers", "medians of 21 repeats, whiskers")
+                  .replace("the default wins a tie.", "the default wins a tie." + WHY_NONE)
                   for line in cases.old_page(case))
     new = Counter(visible_text(page))
     assert not old - new
@@ -204,6 +208,13 @@ def test_the_page_begins_with_the_advice_and_ends_with_the_facts(sample):
     assert "palpate run models/sphere.glb --fit auto --virtual" in "\n".join(visible_text(box))
 
 
+def test_the_box_says_whether_the_machine_was_busy(sample, tmp_path):
+    assert "busy" not in "\n".join(visible_text(sample[0]["report.html"]))
+    page = page_of(tmp_path, "sample",
+                   lambda content: content["advice"].update(busy="It was busy."))
+    assert page.index('id="advice"') < page.index("It was busy.") < page.index("</section>")
+
+
 def test_the_page_says_whether_the_delay_is_stated(sample, gallery):
     assert "No delay is stated" in sample[0]["report.html"]
     assert "No delay is stated" not in gallery["report.html"]
@@ -319,6 +330,19 @@ def test_the_overview_compares_with_what_is_small_enough_and_with_the_default():
     assert (row["time_default"], row["is_default"]) == (1.0, False)
     shown = texts_of(drawing.overview(drawing.overview_table([each, knob("integrator")])))
     assert {"Mesh resolution", "Integrator", "default", "recommended"} <= set(shown)
+
+
+def test_whiskers_wider_than_the_effect_recommend_nothing():
+    raw = cases.facts("sample")["knobs"][0]
+    raw["undecided"], raw["recommended"] = raw["recommended"], None
+    each = results.knob(raw)
+    level = each.row("undecided")
+    assert texts.recommendation(each).startswith(
+        f"none: {texts.place(each, level)} ({texts.error(each, level)}, ")
+    assert "overlap within their quartiles" in texts.recommendation(each)
+    time, _ = drawing.work_precision(each)
+    assert "recommended" not in texts_of(time)
+    assert drawing.overview_table([each]).empty
 
 
 # ---- axes and labels ---------------------------------------------------------------------------

@@ -25,7 +25,8 @@ class Knob:
     the unit of the level), `error`, `error_low`, `error_high`, `time`, `time_low`, `time_high`
     (median and quartiles over the repeats, in the units of error and time; NaN: every repeat
     failed), `iterations`, `repeats`, `failures`, `failure`, `at_floor`, `on_front`, `counts` (no
-    repeat failed), `is_default` and `is_recommended`. presets: the same for the three presets, with
+    repeat failed), `is_default`, `is_recommended` and `is_undecided` (it would be recommended, but
+    the spread is wider than its effect). presets: the same for the three presets, with
     the name of the preset as the label.
     """
 
@@ -45,7 +46,7 @@ class Knob:
         return not (self.facts["levels_are_given"] and self.facts["methods_are_given"])
 
     def row(self, of: str) -> pd.Series | None:
-        """The level that is the "default" or "recommended", or None."""
+        """The level that is the "default", "recommended" or "undecided", or None."""
         rows = self.levels[self.levels["is_" + of]]
         return None if rows.empty else rows.iloc[0]
 
@@ -79,8 +80,8 @@ def knob(raw: dict[str, Any]) -> Knob:
     for m, method in enumerate(raw["methods"]):
         for n, level in enumerate(method["levels"]):
             place = {"method": m, "level": n}
-            rows.append(place | _level(level) | {"is_default": raw["default"] == place,
-                                                 "is_recommended": raw["recommended"] == place})
+            marks = {f"is_{of}": raw[of] == place for of in ("default", "recommended", "undecided")}
+            rows.append(place | _level(level) | marks)
     presets = [{"method": -1, "level": n} | _level(preset)
                for n, preset in enumerate(raw["presets"])]
     return Knob(raw, _table(rows), _table(presets))

@@ -119,7 +119,12 @@ def recommendation(knob: Knob) -> str:
     """The recommended level, its figures and the reason."""
     if not knob.has_choice:
         return whole_sentence(knob.facts["enough_because"])
-    level = knob.row("recommended")
+    level, undecided = knob.row("recommended"), knob.row("undecided")
+    if undecided is not None:
+        figures = f"{error(knob, undecided)}, {time(knob, undecided)}"
+        return (f"none: {place(knob, undecided)} ({figures}) and the default overlap within their "
+                "quartiles, in error and in time. The default stays; measure again on an idle "
+                "machine.")
     if level is None:
         return "none: every level failed"
     return (f"{place(knob, level)} ({error(knob, level)}, {time(knob, level)}). "
