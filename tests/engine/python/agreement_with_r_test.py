@@ -39,7 +39,7 @@ def trials(name: str) -> pd.DataFrame:
 
 
 def public(name: str) -> pd.DataFrame:
-    return pd.read_csv(HERE.parent / "analysis" / "data" / f"{name}.csv")
+    return pd.read_csv(HERE / "data" / f"{name}.csv")
 
 
 @pytest.fixture(scope="module")

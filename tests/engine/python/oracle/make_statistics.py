@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes the data sets of statistics/input.json: the same bytes every time.
 
-statistics/expected.json holds what the functions of engine/analysis at commit 53aa82cd computed
+statistics/expected.json holds what the C++ functions of statistics at commit 53aa82cd computed
 for them (README.md).
 """
 
