@@ -7,7 +7,7 @@ participants who have all cells that it needs, and states their number.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import astuple, dataclass
 from itertools import combinations
 
 import numpy as np
@@ -21,6 +21,7 @@ from palpate.analysis.statistics import (
     holm,
     paired_t,
     repeated_measures_of,
+    standardized,
 )
 from palpate.analysis.statistics.types import Array
 
@@ -36,7 +37,8 @@ class Primary:
 
     effects: `term`, `participants` and EFFECT, which are NaN if fewer than two participants have
     all cells, or if the effect is the same for all of them.
-    pairs: `family`, `pair`, the attributes of PairedT and `p_holm`, adjusted within the family.
+    pairs: `family`, `pair`, the attributes of PairedT, `p_holm`, adjusted within the family, and
+    `d_z`, `d_z_low` and `d_z_high` (standardized()).
     cells: the participants' means by participant, Haptic and Rotation; NaN: not all conditions.
     means: `Haptic`, `Rotation` ("all": over all levels), `mean`, `half_width` (Cousineau-Morey) and
     `participants`; the levels of Haptic, those of Rotation, then their combinations. The means of
@@ -123,11 +125,10 @@ def _pairs(by_levels: Array, levels: dict[str, list[str]]) -> pd.DataFrame:
             )
             for h, level in enumerate(haptic)
         ]
-    columns = ["family", "pair", *PairedT.__dataclass_fields__]
-    pairs = pd.DataFrame(
-        [{"family": family, "pair": pair, **asdict(test)} for family, pair, test in rows],
-        columns=columns,
-    )
+    sizes = ["d_z", "d_z_low", "d_z_high"]
+    columns = ["family", "pair", *PairedT.__dataclass_fields__, *sizes]
+    values = [(family, pair, *astuple(test), *standardized(test)) for family, pair, test in rows]
+    pairs = pd.DataFrame(values, columns=columns)
     p_holm = [holm(group) for _, group in pairs.groupby("family", sort=False)["p"]]
     return pairs.assign(p_holm=np.concatenate([*p_holm, np.empty(0)]))
 
