@@ -9,20 +9,19 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import re
 from collections import Counter
 
 import pytest
 from markupsafe import Markup
 
+from experiment_samples import no_parts
 from numbers_agree import Zero, assert_agree, assert_tables_agree
 from oracle_cases import cases, table_of
 from page_text import visible_text
 from palpate.analysis.errors import InputError
 from palpate.analysis.experiment import analysis, command, page
 from palpate.analysis.experiment.tables import TABLES
-from palpate.analysis.experiment.variances import Variances
 
 WIDER = ("comparisons",)  # tables with new columns before the last ones
 LATER = ("verdicts", "variances", "loss_rates")  # tables
@@ -52,10 +51,6 @@ LAMBDA_OF_NEARLY_COLLINEAR = 0.799488753742507
 
 def no_drawing(figure, name, title):
     return Markup("<svg></svg>")
-
-
-def no_parts(experiment, outcome):
-    return Variances(math.nan, math.nan, math.nan, 0, 0)
 
 
 def run(case, folder, monkeypatch):

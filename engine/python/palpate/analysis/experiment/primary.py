@@ -23,7 +23,7 @@ from palpate.analysis.statistics import (
     repeated_measures_of,
     standardized,
 )
-from palpate.analysis.statistics.types import Array
+from palpate.analysis.statistics.types import EPSILON, Array
 
 from .experiments import CONDITION, FACTORS, Experiment
 from .outcomes import Outcome
@@ -85,6 +85,20 @@ def analyse_repeated_measures(
         _means(by_levels, levels, only_haptic),
         by_levels,
     )
+
+
+def residuals(experiment: Experiment, outcome: Outcome) -> pd.Series[float]:
+    """Of the participants who have all conditions: their means of conditions, without the mean of
+    the participant and that of the condition. Empty with fewer than two of them, and if they are
+    rounding."""
+    cells = _mean_of_those_there(experiment.grid(outcome))
+    table = cells.reshape(len(cells), -1)
+    table = table[~np.isnan(table).any(axis=1)]
+    if len(table) < 2 or table.shape[1] < 2:
+        return pd.Series(dtype=float)
+    rest = table - table.mean(axis=1, keepdims=True) - table.mean(axis=0) + table.mean()
+    rounding = sum(table.shape) * EPSILON * np.abs(table).max()
+    return pd.Series(rest.ravel() if np.abs(rest).max() > rounding else [], dtype=float)
 
 
 def _mean_of_those_there(grid: Array) -> Array:
