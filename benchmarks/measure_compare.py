@@ -4,7 +4,8 @@
 measure_compare.py PROGRAM
 
 Writes OPERATOR.json into benchmarks/results/compare: how the trials ended, the means over all objects
-together, and where A4 loses. The results depend on the code alone. The run takes a minute or two.
+together, and where A4 loses. The results depend on the code alone. The run takes a minute or two, and
+the program needs Python with the packages of palpate.analysis.
 """
 
 import json
@@ -17,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benchmarks" / "results" / "compare"
 OPERATOR = "people2005"
 SCENES = [f"models/{name}.glb" for name in ("star", "labyrinth", "inverted_labyrinth", "lock")]
-MEAN_KEYS = ("measure", "unit", "strategy", "tuned_to", "role", "hands", "mean", "half_width",
+MEAN_KEYS = ("measure", "unit", "strategy", "role", "hands", "mean", "half_width",
              "minus_mask", "mask_half_width", "minus_a4", "a4_half_width", "standing")
 COMPARABLE = (0, 3)  # 3: a strategy completed too few trials; the results say which
 
@@ -47,8 +48,8 @@ def measure(program):
     if done.returncode not in COMPARABLE:
         sys.exit(f"palpate compare: exit code {done.returncode}")
     result = json.loads(done.stdout)
-    return {**{key: result[key] for key in ("operator", "hands", "seed", "tuning_seed", "scenes",
-                                            "comparable", "strategies", "a4_losses")},
+    return {**{key: result[key] for key in ("operator", "hands", "seed", "scenes", "comparable",
+                                            "strategies", "a4_losses")},
             "means": [{key: row[key] for key in MEAN_KEYS} for row in result["means"]
                       if row["scene"] == ""]}
 

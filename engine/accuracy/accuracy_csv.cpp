@@ -1,7 +1,6 @@
 #include "engine/accuracy/accuracy_csv.h"
 
 #include "engine/report/csv.h"
-#include "engine/report/text_file.h"
 
 namespace palpate {
 namespace {
@@ -85,11 +84,6 @@ std::string accuracy_csv(std::span<const KnobResult> results) {
     put_presets(out, result);
   }
   return out.text();
-}
-
-Result<std::string> write_accuracy_csv(std::span<const KnobResult> results,
-                                       const std::string& path) {
-  return write_text_file(path, accuracy_csv(results));
 }
 
 }  // namespace palpate

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "engine/accuracy/measurement.h"
-#include "geometry/base/result.h"
 
 namespace palpate {
 
@@ -23,9 +22,5 @@ inline constexpr std::string_view kAccuracyColumns =
 // flags are 0 or 1. The numbers of a level are empty if every repeat failed. Fields with commas,
 // quotation marks or line breaks are quoted (RFC 4180). Lines end with "\n".
 std::string accuracy_csv(std::span<const KnobResult> results);
-
-// Writes the table to a file. Returns the path, or an error that names the path.
-Result<std::string> write_accuracy_csv(std::span<const KnobResult> results,
-                                       const std::string& path);
 
 }  // namespace palpate

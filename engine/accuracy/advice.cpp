@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "engine/accuracy/machine_load.h"
 #include "engine/accuracy/percent.h"
 #include "engine/accuracy/recommendation.h"
 #include "engine/devices/light_device.h"
@@ -30,6 +31,28 @@ const KnobResult* measured_knob(const AdviceInput& input, const std::string& nam
     if (result.knob.name == name && result.recommended) return &result;
   }
   return nullptr;
+}
+
+// Why a setting stays as it is, if none of these knobs recommends a level: they were not measured,
+// or the spread is wider than the effect. `stays`: "The default".
+bool is_undecided(const AdviceInput& input, const std::string& name) {
+  return std::any_of(input.results.begin(), input.results.end(), [&](const KnobResult& result) {
+    return result.knob.name == name && result.undecided;
+  });
+}
+std::string why_unchanged(const AdviceInput& input, const std::string& stays,
+                          const std::vector<std::string>& names) {
+  std::string all, undecided;
+  for (const std::string& name : names) {
+    all += (all.empty() ? "" : " and ") + name;
+    if (is_undecided(input, name)) undecided += (undecided.empty() ? "" : " and ") + name;
+  }
+  if (!undecided.empty()) {
+    return stays + ": the effect of " + undecided +
+           " is smaller than the spread of the repeats; measure again on an idle machine.";
+  }
+  return stays + "; the knob" + (names.size() == 1 ? " " : "s ") + all +
+         (names.size() == 1 ? " was" : " were") + " not measured.";
 }
 
 const LevelResult& chosen(const KnobResult& result) {
@@ -74,6 +97,7 @@ std::string servo_sentence(const KnobResult& result) {
          " the " + bound + " that people notice.";
 }
 
+// The rate asked for, or else the one that the knobs recommend.
 Answer rate_answer(const AdviceInput& input, Advice& advice) {
   Answer answer{"Rate", "", "", ""};
   const KnobResult* deciding = nullptr;
@@ -81,27 +105,20 @@ Answer rate_answer(const AdviceInput& input, Advice& advice) {
     const KnobResult* result = measured_knob(input, name);
     if (result && (!deciding || rate_of(*result) > rate_of(*deciding))) deciding = result;
   }
-  const double wanted_Hz = deciding ? rate_of(*deciding) : light_device().rate_Hz;
-  advice.rate_Hz = wanted_Hz;
-  if (deciding) {
-    answer.reason = servo_sentence(*deciding);
-  } else {
-    answer.reason = "The default; the knobs servo_rate and servo_pressed were not measured.";
-  }
-  if (!input.scene) {
-    answer.limit = "The rates that this machine keeps were not measured; give a SCENE.";
-  } else if (const KeptRate& kept = input.scene->measured.kept_rate; !(kept.rate_Hz() > 0.0)) {
-    answer.limit = "This machine kept none of the rates tried with this scene.";
-  } else {
-    const double most_Hz = kept.rate_Hz();
-    answer.limit = "This machine keeps up to " + human(most_Hz, "Hz") + " with this scene.";
-    if (most_Hz < wanted_Hz) {
-      advice.rate_Hz = rounded_down(most_Hz);
-      answer.reason = "The highest rate that this machine keeps with this scene; " +
-                      human(wanted_Hz, "Hz") + " would be better.";
-    }
-  }
+  const double best_Hz = deciding ? rate_of(*deciding) : light_device().rate_Hz;
+  advice.rate_Hz = input.rate_Hz.value_or(best_Hz);
   answer.value = human(advice.rate_Hz, "Hz");
+  if (!deciding) {
+    answer.reason = why_unchanged(input, input.rate_Hz ? "The value given" : "The default",
+                                  {"servo_rate", "servo_pressed"});
+  } else if (advice.rate_Hz != best_Hz) {
+    answer.reason = "The value given; the knobs recommend " + human(best_Hz, "Hz") +
+                    ". There: " + servo_sentence(*deciding);
+  } else {
+    answer.reason = servo_sentence(*deciding);
+  }
+  answer.limit = input.scene ? "The next answer is what this machine keeps with this scene."
+                             : "The rates that this machine keeps were not measured; give a SCENE.";
   return answer;
 }
 
@@ -239,6 +256,31 @@ Answer stiffness_answer(const AdviceInput& input, const ChosenCoupling& c, doubl
   return answer;
 }
 
+// What this machine keeps, with the stiffest wall at that rate; it changes none of the settings.
+Result<Answer> machine_answer(const AdviceInput& input, double rate_Hz) {
+  const KeptRate& kept = input.scene->measured.kept_rate;
+  Answer answer{"This machine", "", "", "It depends on the other load of this machine."};
+  if (!(kept.rate_Hz() > 0.0)) {
+    answer.value = "keeps none of the rates tried";
+    answer.reason = "At " + human(rate_Hz, "Hz") + " it misses deadlines with this scene.";
+    return answer;
+  }
+  answer.value = "keeps up to " + human(kept.rate_Hz(), "Hz");
+  if (kept.rate_Hz() >= rate_Hz) {
+    answer.reason = "It keeps this rate with this scene.";
+    return answer;
+  }
+  const double kept_Hz = rounded_down(kept.rate_Hz());
+  const auto coupling = choose_coupling(input, kept_Hz);
+  if (!coupling) return coupling.error();
+  answer.value += ", less than " + human(rate_Hz, "Hz");
+  answer.reason = "At " + human(rate_Hz, "Hz") + " it misses deadlines with this scene. For this " +
+                  "machine take --rate " + shortest_digits(kept_Hz) + " --stiffness " +
+                  shortest_digits(coupling->stiffness_N_per_m) + " --damping " +
+                  shortest_digits(coupling->damping_Ns_per_m) + ".";
+  return answer;
+}
+
 Answer damping_answer(const AdviceInput& input, const ChosenCoupling& c, double rate_Hz) {
   Answer answer{"Damping", short_number(c.damping_Ns_per_m) + " N s/m", "", ""};
   const double given = input.coupling.damping_Ns_per_m;
@@ -367,7 +409,7 @@ Answer velocity_answer(const AdviceInput& input, Advice& advice) {
   velocity = {VelocityMethod::kDifference, 1, input.device.encoder_quantum_m};
   if (!total) {
     answer.value = "1 tick, difference";
-    answer.reason = "The default; the knob velocity_total was not measured.";
+    answer.reason = why_unchanged(input, "The default", {"velocity_total"});
   } else {
     const std::string& method = total->methods[total->recommended->method].name;
     const LevelResult& level = chosen(*total);
@@ -425,10 +467,12 @@ Answer mesh_answer(const AdviceInput& input) {
   }
   Answer answer{"Mesh", "as in the file", "", ""};
   if (!depth) {
-    answer.reason = "The default; the knobs mesh_depth and scene_resolution were not measured.";
+    answer.reason = why_unchanged(input, "The default", {"mesh_depth", "scene_resolution"});
     answer.limit = "More triangles than the shape needs cost time and memory alone.";
   } else if (input.scene) {
-    answer.reason = "The default; the scene's own mesh was not simplified.";
+    answer.reason = is_undecided(input, "scene_resolution")
+                        ? why_unchanged(input, "The default", {"scene_resolution"})
+                        : "The default; the scene's own mesh was not simplified.";
     answer.limit = "A" + smooth_sphere_clause(*depth) + " for a depth error within " +
                    human(depth->knob.enough, "m") + ".";
   } else {
@@ -442,6 +486,18 @@ Answer mesh_answer(const AdviceInput& input) {
         "shorter edges.";
   }
   return answer;
+}
+
+// ---- the machine -------------------------------------------------------------------------------
+
+std::string busy_sentence(double others_cores) {
+  if (others_cores < kBusyCores) return "";
+  const int cores = machine_cores();
+  return "This machine was busy: other programs used " + short_number(others_cores) + " of its " +
+         std::to_string(cores) + (cores == 1 ? " core" : " cores") +
+         " meanwhile. Times are longer and rates lower than on an idle one; measure again on an "
+         "idle "
+         "one.";
 }
 
 // ---- command -----------------------------------------------------------------------------------
@@ -489,7 +545,13 @@ Result<Advice> advise(const AdviceInput& input) {
   Advice advice;
   advice.subject = input.scene ? "For this device and this scene" : "For this device";
   advice.device = mechanics_text(input.device);
+  advice.busy = busy_sentence(input.others_cores);
   advice.answers.push_back(rate_answer(input, advice));
+  if (input.scene) {
+    const auto machine = machine_answer(input, advice.rate_Hz);
+    if (!machine) return machine.error();
+    advice.answers.push_back(*machine);
+  }
   const auto coupling = choose_coupling(input, advice.rate_Hz);
   if (!coupling) return coupling.error();
   advice.coupling.stiffness_N_per_m = coupling->stiffness_N_per_m;
@@ -520,6 +582,7 @@ std::string advice_text(const Advice& advice) {
   for (const Answer& answer : advice.answers) width = std::max(width, answer.setting.size());
   std::ostringstream text;
   text << advice.subject << " (" << advice.device << "):\n";
+  if (!advice.busy.empty()) text << "  " << advice.busy << "\n";
   for (const Answer& answer : advice.answers) {
     text << "  " << answer.setting << std::string(width + 2 - answer.setting.size(), ' ')
          << answer.value << "\n";

@@ -4,12 +4,13 @@
 // scene if one was measured. If several knobs have a recommendation for one setting, the advice
 // states a single answer.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "engine/accuracy/measurement.h"
-#include "engine/accuracy/scene_section.h"
+#include "engine/accuracy/scene_findings.h"
 #include "haptics/effects/virtual_coupling.h"
 #include "palpate/device.h"
 
@@ -30,9 +31,11 @@ struct Advice {
   std::size_t preset = kDefaultPreset;  // index into kAccuracyPresets
 
   // The same settings as texts for readers: rate, stiffness, damping, preset, velocity window,
-  // mesh.
+  // mesh. The settings answer the question for the rate asked for, or else for the rate that the
+  // knobs recommend; what this machine keeps is an answer of its own, behind the rate.
   std::string subject;  // "For this device and this scene"
   std::string device;   // "mass 0.1 kg, damping ..."
+  std::string busy;     // a sentence, if other programs used the machine meanwhile
   std::vector<Answer> answers;
   // A command that applies the settings to a simulated device; it begins with AdviceInput::program.
   std::vector<std::string> command;
@@ -43,6 +46,8 @@ struct AdviceInput {
   const SceneFindings* scene = nullptr;  // null: no scene was measured
   DeviceDescription device;
   CouplingSettings coupling;               // coupling of the loop: set by the user, or the default
+  std::optional<double> rate_Hz = {};      // the rate that the user asks for; no value: none
+  double others_cores = 0.0;               // cores_of_others() while it was measured
   std::vector<std::string> scene_options;  // for `palpate run`: the path, then scene options
   std::string program = "palpate";         // first word of the command
 };

@@ -65,6 +65,8 @@ struct KnobResult {
   // judge() in recommendation.h sets the following members. reconcile() may replace `recommended`
   // and sets decided_by_title.
   std::optional<LevelPlace> recommended;
+  // The level that would be recommended, if the spread of the repeats is wider than its effect.
+  std::optional<LevelPlace> undecided;
   // Some levels may be clearly better than the default. default_behind is the factor, in time or in
   // error, by which the best of them is better than the default; 1 if no level is clearly better.
   double default_behind = 1.0;

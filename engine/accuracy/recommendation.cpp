@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -110,6 +111,15 @@ std::optional<LevelPlace> recommended(const KnobResult& result) {
   return chosen ? std::optional(places[*chosen]) : std::nullopt;
 }
 
+// Whether the whiskers are wider than the effect of choosing this level instead of the default.
+bool is_hidden_by_spread(const KnobResult& result, const LevelPlace& place) {
+  const LevelPlace usual_place = result.default_place();
+  const LevelResult& usual = result.methods[usual_place.method].levels[usual_place.level];
+  const LevelResult& level = result.methods[place.method].levels[place.level];
+  return place != usual_place && usual.counts() && !is_below(level.error, usual.error) &&
+         !is_below(level.time, usual.time);
+}
+
 bool have_same_levels(const KnobResult& a, const KnobResult& b) {
   return std::equal(a.methods.begin(), a.methods.end(), b.methods.begin(), b.methods.end(),
                     [](const MethodResult& x, const MethodResult& y) {
@@ -118,6 +128,10 @@ bool have_same_levels(const KnobResult& a, const KnobResult& b) {
 }
 
 }  // namespace
+
+bool is_below(const Spread& a, const Spread& b) {
+  return a.high < b.low;
+}
 
 bool is_alike(const Spread& a, const Spread& b) {
   const bool overlaps = a.low <= b.high && b.low <= a.high;
@@ -156,6 +170,10 @@ void judge(KnobResult& result) {
   mark_front(result);
   judge_default(result);
   result.recommended = recommended(result);
+  result.undecided.reset();
+  if (result.recommended && is_hidden_by_spread(result, *result.recommended)) {
+    std::swap(result.recommended, result.undecided);
+  }
 }
 
 void reconcile(std::vector<KnobResult>& results) {
@@ -164,6 +182,7 @@ void reconcile(std::vector<KnobResult>& results) {
     for (const KnobResult& other : results) {
       if (other.knob.name != result.knob.decided_by || !have_same_levels(result, other)) continue;
       result.recommended = other.recommended;
+      result.undecided = other.undecided;
       result.decided_by_title = other.knob.title;
     }
   }

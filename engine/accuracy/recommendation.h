@@ -21,6 +21,9 @@ inline constexpr double kAlikeFactor = 1.15;
 // medians are within kAlikeFactor.
 bool is_alike(const Spread& a, const Spread& b);
 
+// Whether the quartiles of `a` lie below those of `b`: the effect is larger than the whiskers.
+bool is_below(const Spread& a, const Spread& b);
+
 // Whether `a` is clearly better than `b` in time or in error, and clearly worse in neither.
 // "Clearly" means that the two spreads are not is_alike().
 bool is_clearly_better(const LevelResult& a, const LevelResult& b);
@@ -38,12 +41,13 @@ bool is_clearly_better(const LevelResult& a, const LevelResult& b);
 std::optional<std::size_t> chosen_level(std::span<const LevelResult* const> levels,
                                         std::span<const std::size_t> distance, double enough);
 
-// Sets LevelResult::on_front of every level, default_behind, better_than_default and recommended. A
-// level is on the front if no other level is clearly better.
+// Sets LevelResult::on_front of every level, default_behind, better_than_default, recommended and
+// undecided. A level is on the front if no other level is clearly better. Nothing is recommended in
+// place of a default that counts if neither error nor time is_below() that of the default.
 void judge(KnobResult& result);
 
 // A Knob::decided_by names another knob. If the other knob is among the results and has the same
-// methods and levels, its recommendation replaces the recommendation of the knob that names it.
+// methods and levels, its recommendation, or that it is undecided, replaces that of the knob that names it.
 void reconcile(std::vector<KnobResult>& results);
 
 }  // namespace palpate

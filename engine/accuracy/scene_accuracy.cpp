@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <thread>
 #include <utility>
 
@@ -211,6 +212,23 @@ Result<RateTrial> judge_rate(const Scene& scene, const RunSetup& setup, const Ha
   return all;
 }
 
+// The rates to try upwards from 1 kHz, and those to try downwards from there, each with the loop's
+// own rate in its place, because that is the rate asked for.
+struct RatesToTry {
+  std::vector<double> up_Hz, down_Hz;
+};
+RatesToTry rates_to_try(double own_Hz) {
+  RatesToTry rates{{kRates_Hz.begin(), kRates_Hz.end()},
+                   {kSlowRates_Hz.begin(), kSlowRates_Hz.end()}};
+  const auto add = [own_Hz](std::vector<double>& to) {
+    if (std::find(to.begin(), to.end(), own_Hz) == to.end()) to.push_back(own_Hz);
+  };
+  add(own_Hz >= kRates_Hz.front() ? rates.up_Hz : rates.down_Hz);
+  std::sort(rates.up_Hz.begin(), rates.up_Hz.end());
+  std::sort(rates.down_Hz.begin(), rates.down_Hz.end(), std::greater<>());
+  return rates;
+}
+
 // Tries rates upwards to the first that is not kept; if that is 1 kHz, downwards to one that is
 // kept.
 std::optional<Error> find_kept_rate(const Scene& scene, const RunSetup& setup, const Hand& hand,
@@ -227,12 +245,13 @@ std::optional<Error> find_kept_rate(const Scene& scene, const RunSetup& setup, c
     if (trial->passed()) kept.by_trial_Hz = rate_Hz;
     return trial->passed();
   };
-  for (const double rate_Hz : kRates_Hz) {
+  const RatesToTry rates = rates_to_try(std::round(1.0 / setup.dt_s));
+  for (const double rate_Hz : rates.up_Hz) {
     const auto is_kept = keeps(rate_Hz);
     if (!is_kept) return is_kept.error();
     if (!*is_kept) break;
   }
-  for (const double rate_Hz : kSlowRates_Hz) {
+  for (const double rate_Hz : rates.down_Hz) {
     if (kept.by_trial_Hz > 0.0) break;
     const auto is_kept = keeps(rate_Hz);
     if (!is_kept) return is_kept.error();

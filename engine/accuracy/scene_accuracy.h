@@ -51,8 +51,8 @@ struct RateTrial {
 };
 
 struct KeptRate {
-  // One element per rate tried, in ascending order. Above 1 kHz, the last element is the first rate
-  // that was not kept, if there is one.
+  // One element per rate tried, in ascending order; the loop's own rate is one of those to try.
+  // Above 1 kHz, the last element is the first rate that was not kept, if there is one.
   std::vector<RateTrial> trials;
   double by_trial_Hz = 0.0;  // the highest rate that passed; 0 if none did
   // 1 / (2 t), where t is the time that one tick in a thousand exceeds. At the rate 1 / (2 t), half

@@ -5,17 +5,18 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "engine/accuracy/accuracy_csv.h"
-#include "engine/accuracy/accuracy_plots.h"
-#include "engine/accuracy/accuracy_report.h"
+#include "engine/accuracy/accuracy_json.h"
 #include "engine/accuracy/advice.h"
-#include "engine/accuracy/build_facts.h"
 #include "engine/accuracy/knobs.h"
+#include "engine/accuracy/machine_load.h"
 #include "engine/accuracy/measurement.h"
 #include "engine/accuracy/recommendation.h"
-#include "engine/accuracy/scene_section.h"
+#include "engine/accuracy/scene_findings.h"
 #include "engine/accuracy/stiffness_chart.h"
 #include "engine/accuracy/stiffness_picture.h"
 #include "engine/cli/all_commands.h"
@@ -25,6 +26,7 @@
 #include "engine/cli/effects_report.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/cli/python_page.h"
 #include "engine/cli/run_options.h"
 #include "engine/cli/scene_options.h"
 #include "engine/devices/stiffness_zones.h"
@@ -44,6 +46,7 @@ constexpr NumberRange kWallDelay_s{0.0, ServoTiming::kMostDelayTicks / 32e3};
 struct AccuracyRequest {
   SceneOptions scene;  // an empty path: no scene
   RunSettings settings;
+  bool asks_rate = false;          // --rate was given
   double delay_s = 0.0;            // from a sample of the device to its force; 0: none
   std::vector<std::string> knobs;  // only these knobs; empty: all
   bool quick = false;
@@ -176,69 +179,45 @@ std::vector<std::string> options_of_run(const SceneOptions& scene) {
   return options;
 }
 
-AccuracyReport report_of(const std::vector<KnobResult>& results, const Advice& advice,
-                         const MeasurementEffort& effort) {
-  AccuracyReport report;
-  report.title = "What accuracy costs in time";
-  report.introduction =
-      "Each knob of the engine is measured from coarse to fine under the same simulated hand or "
-      "device. Errors are measured against a closed form where one is known, times in the code "
-      "that "
-      "programs run. Points are medians of " +
-      std::to_string(MeasurementEffort::kRepeats) +
-      " repeats over ticks in contact, whiskers their quartiles; down and to the left is better.";
-  report.advice = advice;
-  report.facts = build_facts();
-  report.facts.emplace_back("Seed", std::to_string(effort.seed));
-  report.facts.emplace_back("Repeats", std::to_string(MeasurementEffort::kRepeats));
-  report.facts.emplace_back("Effort", effort.quick ? "quick" : "full");
-  report.chapters = chapters_of(results);
-  return report;
-}
-
 constexpr const char* kTable = "raw.csv";
 constexpr const char* kSceneTable = "scene.csv";
 constexpr const char* kZonesTable = "stiffness_zones.csv";
+constexpr const char* kZonesPicture = "stiffness.svg";
+constexpr const char* kJson = "accuracy.json";
 constexpr const char* kPage = "report.html";
 
-// Every file that `accuracy` may write.
-std::vector<std::string> accuracy_file_names(const MeasurementEffort& effort) {
-  std::vector<std::string> names{kTable, kSceneTable, kZonesTable, kPage,
-                                 std::string(kSceneKnob) + ".svg"};
+// The page, and a diagram per knob, which Python makes.
+std::vector<std::string> page_names(const MeasurementEffort& effort) {
+  std::vector<std::string> names{kPage, std::string(kSceneKnob) + ".svg"};
   for (const Knob& knob : all_knobs(effort)) names.push_back(knob.name + ".svg");
   return names;
 }
 
-// Writes the CSV, a diagram per knob and the page. A signal stops it early.
-std::optional<Error> write_results(const std::vector<KnobResult>& results, const Advice& advice,
-                                   const std::optional<SceneFindings>& findings,
-                                   const StiffnessChart& chart, const MeasurementEffort& effort,
-                                   const OutputFiles& files) {
-  const auto csv = write_accuracy_csv(results, files.path(kTable));
-  if (!csv) return csv.error();
-  std::optional<Error> no_picture;
-  for (const KnobResult& result : results) {
-    if (signal_flag().requested()) return std::nullopt;
-    const auto svg = work_precision_svg(result);
-    if (!svg) {
-      no_picture = svg.error();
-      continue;
-    }
-    const auto written = write_text_file(files.path(result.knob.name + ".svg"), *svg);
-    if (!written) return written.error();
+// Every file that `accuracy` may write.
+std::vector<std::string> accuracy_file_names(const MeasurementEffort& effort) {
+  std::vector<std::string> names{kTable, kSceneTable, kZonesTable, kZonesPicture, kJson};
+  for (std::string& name : page_names(effort)) names.push_back(std::move(name));
+  return names;
+}
+
+std::optional<Error> write_measured(const AccuracyResults& all, const OutputFiles& files) {
+  std::vector<std::pair<const char*, std::string>> contents{
+      {kTable, accuracy_csv(all.knobs)},
+      {kZonesTable, stiffness_chart_csv(all.chart)},
+      {kZonesPicture, stiffness_chart_svg(all.chart)},
+      {kJson, accuracy_json(all)}};
+  if (all.scene != nullptr) contents.emplace_back(kSceneTable, scene_csv(*all.scene));
+  for (const auto& [name, content] : contents) {
+    const auto written = write_text_file(files.path(name), content);
+    if (!written) return files.in_place(written.error());
   }
-  if (no_picture) std::cerr << "palpate: " << no_picture->to_string() << "\n";
-  AccuracyReport report = report_of(results, advice, effort);
-  if (findings) {
-    report.sections.push_back(scene_section(*findings));
-    const auto written = write_text_file(files.path(kSceneTable), scene_csv(*findings));
-    if (!written) return written.error();
-  }
-  report.sections.push_back(stiffness_chart_section(chart));
-  const auto zones = write_text_file(files.path(kZonesTable), stiffness_chart_csv(chart));
-  if (!zones) return zones.error();
-  const auto written = write_text_file(files.path(kPage), report_html(report));
-  return written ? std::nullopt : std::optional<Error>(written.error());
+  return std::nullopt;
+}
+
+// The cores that other programs used since then; 0 if the system does not say.
+double others_cores(const std::optional<CpuTimes>& before) {
+  const auto now = cpu_times_now();
+  return before && now ? cores_of_others(*before, *now) : 0.0;
 }
 
 // Checks that results can be written, and keeps other commands out of the folder. It has no file
@@ -250,19 +229,30 @@ Result<OutputFiles> take_out_folder(const std::string& folder, const Measurement
   return files;
 }
 
-// Returns whether the files were written; after a signal the old files stay.
-Result<bool> write_in_place(const std::vector<KnobResult>& results, const Advice& advice,
-                            const std::optional<SceneFindings>& findings,
-                            const StiffnessChart& chart, const MeasurementEffort& effort,
-                            OutputFiles& files) {
+// Writes what was measured, and has the page made. After a signal the old files stay; else they are
+// replaced, also where the page could not be made.
+Result<PageOutcome> write_in_place(const AccuracyResults& all, OutputFiles& files) {
   if (auto error = files.resume()) return *error;
-  if (auto error = write_results(results, advice, findings, chart, effort, files)) {
-    return files.in_place(*error);
-  }
+  if (auto error = write_measured(all, files)) return *error;
+  PageOutcome page = make_page({"accuracy", files.hidden_folder()}, files);
   const SignalPhaseScope not_now(SignalPhase::kDeferred);
-  if (signal_flag().requested()) return false;
+  if (signal_flag().requested()) page.end = PageEnd::kInterrupted;
+  if (page.end == PageEnd::kInterrupted) return page;
+  if (page.end != PageEnd::kMade) {
+    std::error_code ignored;  // no part of a page
+    for (const std::string& name : page_names(all.effort)) {
+      std::filesystem::remove(files.path(name), ignored);
+    }
+  }
   if (auto error = files.move_into_place()) return *error;
-  return true;
+  return page;
+}
+
+// The last line of the answer: what is where.
+std::string files_text(const AccuracyRequest& command, bool has_page, bool has_scene) {
+  return std::string(has_page ? "report.html, a diagram per knob, " : "") +
+         "raw.csv, stiffness_zones.csv" + (has_scene ? ", scene.csv" : "") +
+         " and accuracy.json are in " + command.out_dir + "/\n";
 }
 
 int report_nothing_is_written() {
@@ -300,7 +290,9 @@ Row row_of(const KnobResult& result) {
                                : "failed",
           level.was_measured() ? human(level.time.median, result.knob.time.unit) : "-",
           result.default_is_on_front() ? "yes" : "no, see report",
-          result.recommended ? place_text(result, *result.recommended) : "none",
+          result.recommended ? place_text(result, *result.recommended)
+          : result.undecided ? "none, see report"
+                             : "none",
           order_text(result)};
 }
 
@@ -349,6 +341,7 @@ int accuracy(const AccuracyRequest& command) {
   if (!files) return refuse(files.error());
   if (signal_flag().requested()) return report_nothing_is_written();
 
+  const auto before = cpu_times_now();
   std::optional<Scene> scene;
   std::optional<SceneFindings> findings;
   if (!command.scene.path.empty()) {
@@ -371,7 +364,8 @@ int accuracy(const AccuracyRequest& command) {
   const std::vector<KnobResult> results = measure_all(*knobs, effort);
   const auto advice =
       advise({results, findings ? &*findings : nullptr, setup->device, setup->haptics.coupling,
-              options_of_run(command.scene), program_name()});
+              command.asks_rate ? std::optional(command.settings.rate_Hz) : std::nullopt,
+              others_cores(before), options_of_run(command.scene), program_name()});
   if (!advice) return refuse(advice.error());
   const auto chart =
       stiffness_chart(setup->device, setup->haptics.coupling, command.settings.rate_Hz);
@@ -379,24 +373,29 @@ int accuracy(const AccuracyRequest& command) {
   // From here on a signal waits until the files are complete.
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   if (const auto error = check_output()) return refuse(*error);
-  const auto written = write_in_place(results, *advice, findings, *chart, effort, *files);
-  if (!written) return refuse(written.error());
-  if (!*written) return report_nothing_is_written();
+  const auto page =
+      write_in_place({*advice, effort, results, findings ? &*findings : nullptr, *chart}, *files);
+  if (!page) return refuse(page.error());
+  if (page->end == PageEnd::kInterrupted) return report_nothing_is_written();
   std::cout << advice_text(*advice) << "\n";
   if (!results.empty()) std::cout << knobs_text(results);
   if (findings) std::cout << scene_text(*findings);
-  std::cout << "report.html, raw.csv, stiffness_zones.csv" << (findings ? ", scene.csv" : "")
-            << " and a diagram per knob are in " << command.out_dir << "/\n";
-  return exit_code_after_signals(
-      finish_output(scene ? load_warning_lines(*scene) : std::vector<std::string>{}));
+  std::cout << files_text(command, page->end == PageEnd::kMade, findings.has_value());
+  std::vector<std::string> warnings =
+      scene ? load_warning_lines(*scene) : std::vector<std::string>{};
+  return exit_code_after_signals(finish_output(with_page_warnings(std::move(warnings), *page)));
 }
 
 class AccuracyCommand final : public Command {
  public:
   CLI::App* add_to(CLI::App& program) override;
-  int run(const std::vector<std::string>&) override { return accuracy(request_); }
+  int run(const std::vector<std::string>&) override {
+    request_.asks_rate = app_->get_option("--rate")->count() > 0;
+    return accuracy(request_);
+  }
 
  private:
+  CLI::App* app_ = nullptr;
   AccuracyRequest request_;
 };
 
@@ -404,6 +403,7 @@ CLI::App* AccuracyCommand::add_to(CLI::App& program) {
   CLI::App& app = *program.add_subcommand(
       "accuracy",
       "measure what accuracy costs in time, and recommend settings for a device and a scene");
+  app_ = &app;
   set_help(app, "  ./run.sh accuracy models/star.glb --quick --knob a4_step --out report\n");
   add_scene(app, request_.scene, false);
   app.add_flag("--quick", request_.quick,
@@ -424,7 +424,7 @@ CLI::App* AccuracyCommand::add_to(CLI::App& program) {
   const auto of_scene = [&](const char* name, const std::string& help) {
     add_setting(app, run_setting(name), run, help)->needs(scene)->group(kSceneOptionsGroup);
   };
-  of_scene("--rate", "servo rate, Hz");
+  of_scene("--rate", "servo rate, Hz; if given, the advice is for this rate");
   of_scene("--stiffness", "coupling spring of surfaces without their own, N/m");
   of_scene("--damping", "coupling damper of surfaces without their own, N s/m");
   of_scene("--radius", help_of(run_setting("--radius")));

@@ -11,21 +11,22 @@
 #include <utility>
 #include <vector>
 
-#include "engine/analysis/compare_results.h"
-#include "engine/analysis/strategy_report.h"
-#include "engine/analysis/strategy_tables.h"
-#include "engine/analysis/strategy_text.h"
+#include <nlohmann/json.hpp>
+
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/cli/python_page.h"
 #include "engine/cli/run_options.h"
 #include "engine/cli/run_progress.h"
 #include "engine/cli/scene_options.h"
 #include "engine/cli/setting_texts.h"
 #include "engine/cli/shard_option.h"
 #include "engine/report/output_files.h"
+#include "engine/report/text_file.h"
+#include "engine/trials/compare/compare_means.h"
 #include "engine/trials/compare/compare_run.h"
 #include "engine/trials/trial.h"
 #include "geometry/base/file_roles.h"
@@ -112,12 +113,8 @@ Error with_compare_options(Error error) {
 
 // "palpate compare" again continues where this call stopped.
 int report_stopped_comparison(const CompareOutcome& outcome, const CompareRequest& request) {
-  std::size_t done = 0;
-  std::uint64_t kept_trials = 0;
-  for (const ExperimentRunOutcome& run : outcome.runs) {
-    done += run.computed.size() + run.kept.size();
-    kept_trials += run.trials_done;
-  }
+  const std::size_t done = outcome.run.computed.size() + outcome.run.kept.size();
+  const std::uint64_t kept_trials = outcome.run.trials_done;
   std::string text =
       "the trials of " + std::to_string(done) + " hands are complete in " + request.out_dir;
   if (kept_trials > 0) {
@@ -131,59 +128,117 @@ int report_stopped_comparison(const CompareOutcome& outcome, const CompareReques
 int report_shard(const CompareOutcome& outcome, const CompareRequest& request) {
   std::cout << "shard " << request.shard << " is complete in " << request.out_dir
             << "/; when all shards are there, the same command without --shard compares them\n";
-  return exit_code_after_signals(finish_output(outcome.runs.front().scene_warnings));
+  return exit_code_after_signals(finish_output(outcome.run.scene_warnings));
 }
 
-// "star, lock: 160 trials of 20 hands, people2005, seed 2005"
-std::string compare_heading(const CompareSettings& settings, const FollowingComparison& first) {
-  std::string scenes;
-  for (const std::string& scene : settings.scenes) scenes += (scenes.empty() ? "" : ", ") + scene;
+// The files that the page needs Python for; then those that are measured.
+const std::vector<std::string> kPageFiles = {"report.html", "comparison.json", "comparison.csv",
+                                             "a4_losses.csv"};
+
+std::vector<std::string> result_files() {
+  std::vector<std::string> names = kPageFiles;
+  names.insert(names.end(), {kStrategiesFile, kMeansFile});
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : ", ") + text;
+  return all;
+}
+
+// "star, lock: 160 trials of 20 hands, people2005, seed 2005", the means and what they speak of.
+std::string means_text(const CompareSettings& settings,
+                       const std::vector<StrategyMeans>& followings) {
+  const StrategyMeans& first = followings.front();
   int trials = 0;
-  for (const StrategyOutcome& outcome : first.outcomes) trials += outcome.counts.trials;
-  return scenes + ": " + std::to_string(trials) + " trials of " + std::to_string(first.hands) +
-         " hands of " + settings.person + ", seed " + std::to_string(settings.seed) + "\n";
+  for (const StrategyCounts& counts : first.counts) trials += counts.trials;
+  std::string text = joined(settings.scenes) + ": " + std::to_string(trials) + " trials of " +
+                     std::to_string(first.hands) + " hands of " + settings.person + ", seed " +
+                     std::to_string(settings.seed) + "\n";
+  for (const StrategyMeans& of : followings) {
+    if (followings.size() > 1) text += "\nfollowing " + of.following + "\n";
+    text += means_text(of);
+  }
+  return text +
+         "The hands are simulated: the means speak of seeds and of the ranges in the "
+         "operator file, not of people.\n";
 }
 
-std::string results_text(const CompareSettings& settings,
-                         const std::vector<FollowingComparison>& followings,
-                         const CompareRequest& request) {
-  std::string text = compare_heading(settings, followings.front());
-  for (const FollowingComparison& following : followings) {
-    if (followings.size() > 1) text += "\nfollowing " + following.following + "\n";
-    text += comparison_text(following);
+// The files of a page that was not finished.
+void remove_page(const OutputFiles& files) {
+  for (const std::string& name : kPageFiles) {
+    std::error_code ignored;
+    std::filesystem::remove(files.path(name), ignored);
   }
-  return text + kSimulatedHandsSentence + "\nreport.html, comparison.json and " +
-         std::to_string(kStrategyTableNames.size()) + " tables are in " + request.out_dir + "/\n";
+}
+
+PageOutcome make_comparison_page(const CompareSettings& settings, const CompareRequest& request,
+                                 const OutputFiles& files) {
+  std::vector<std::string> arguments = {"strategies", request.out_dir, "--operator",
+                                        settings.person};
+  for (const std::string& scene : settings.scenes) {
+    arguments.insert(arguments.end(), {"--scene", scene});
+  }
+  if (request.json) arguments.emplace_back("--json");
+  PageOutcome outcome = make_page(arguments, files);
+  if (outcome.end != PageEnd::kMade) remove_page(files);
+  return outcome;
+}
+
+// What the terminal shows. Without a page: the means.
+void print_results(const CompareSettings& settings, const std::vector<StrategyMeans>& followings,
+                   const CompareRequest& request, const PageOutcome& page) {
+  const bool is_made = page.end == PageEnd::kMade;
+  if (request.json && !is_made) {
+    print(means_json(settings, followings));
+  } else {
+    std::cout << (is_made ? page.text : means_text(settings, followings));
+  }
+  if (request.json) return;
+  std::cout << (is_made ? "report.html, comparison.json and 4 tables are in "
+                        : "means.csv and strategies.csv are in ")
+            << request.out_dir << "/\n";
+}
+
+int report_interrupted_page(const CompareRequest& request) {
+  std::cerr << "palpate: interrupted; the trials are complete in " << request.out_dir
+            << ", and the same command goes on from there\n";
+  return exit_code_after_signals(0);
 }
 
 int report_results(const CompareSettings& settings, const CompareOutcome& outcome,
                    const CompareRequest& request) {
-  const auto followings = compare_results(settings, request.out_dir);
+  const auto followings = compare_means(settings, request.out_dir);
   if (!followings) return refuse(with_compare_options(followings.error()));
-  auto files = OutputFiles::create(request.out_dir, comparison_report_names());
+  auto files = OutputFiles::create(request.out_dir, result_files());
   if (!files) return refuse(files.error());
-  if (const auto error = write_comparison_report(settings, *followings, *files)) {
-    return refuse(*error);
+  for (const auto& [name, text] : {std::pair(kMeansFile, means_csv(*followings)),
+                                   std::pair(kStrategiesFile, strategies_csv(*followings))}) {
+    const auto written = write_text_file(files->path(name), text);
+    if (!written) return refuse(files->in_place(written.error()));
   }
+  const PageOutcome page = make_comparison_page(settings, request, *files);
   {
     const SignalPhaseScope not_now(SignalPhase::kDeferred);
+    if (page.end == PageEnd::kInterrupted || signal_flag().requested()) {
+      return report_interrupted_page(request);
+    }
     if (const auto error = files->move_into_place()) return refuse(*error);
   }
-  std::cout << (request.json ? comparison_json(settings, *followings)
-                             : results_text(settings, *followings, request));
-  const bool is_complete = std::all_of(
-      followings->begin(), followings->end(),
-      [](const FollowingComparison& following) { return following.incomplete().empty(); });
-  const int code = finish_output(outcome.runs.front().scene_warnings);
+  print_results(settings, *followings, request, page);
+  const bool is_complete =
+      std::all_of(followings->begin(), followings->end(),
+                  [](const StrategyMeans& following) { return following.incomplete().empty(); });
+  const int code = finish_output(with_page_warnings(outcome.run.scene_warnings, page));
   return exit_code_after_signals(code == 0 && !is_complete ? kIncompleteTrials : code);
 }
 
 // The files that a comparison writes besides its trials. An input that is one of them is then
 // refused before the first trial.
 std::optional<Error> add_compare_outputs(const std::string& folder) {
-  std::vector<std::string> paths{compare_plan_path(folder, CompareHands::kCompared),
-                                 compare_plan_path(folder, CompareHands::kTuning)};
-  for (const std::string& name : comparison_report_names()) {
+  std::vector<std::string> paths{compare_plan_path(folder)};
+  for (const std::string& name : result_files()) {
     paths.push_back((std::filesystem::path(folder) / name).string());
   }
   for (const std::string& path : paths) {
@@ -214,7 +269,7 @@ int run_compare(const CompareRequest& request) {
         run_comparison(*settings, run, {find_trial_way, run_trial}, shown_in(bar), &signal_flag());
   }
   if (!outcome) return refuse(with_compare_options(outcome.error()));
-  if (!outcome->runs.back().not_done.empty()) return report_stopped_comparison(*outcome, request);
+  if (!outcome->run.not_done.empty()) return report_stopped_comparison(*outcome, request);
   if (run.shard) return report_shard(*outcome, request);
   return report_results(*settings, *outcome, request);
 }
@@ -284,13 +339,11 @@ CLI::App* CompareCommand::add_to(CLI::App& program) {
       app, "  ./run.sh compare models/star.glb --hands 4 --strategies mask,a4\n",
       "Each hand follows the contour of each scene once with each strategy, with the same "
       "random numbers.\nDIR/report.html states which technique is best by which measure, and "
-      "where A4 loses;\ncomparison.json and four CSV files have all numbers. DIR/plan.json is "
-      "the plan, DIR/trials has the\ntrials. Another comparison in DIR is replaced. If the command "
-      "is interrupted, the same command\ncomputes the missing trials only. `anisotropic` tries six "
-      "values of E on other "
-      "hands, and takes for\neach measure the best one.\nExit code 3: fewer than 90 % of a "
-      "strategy's "
-      "trials ended at the red sphere.\n");
+      "where A4 loses;\ncomparison.json and CSV files have all numbers. DIR/plan.json is the plan, "
+      "DIR/trials has the\ntrials. Another comparison in DIR is replaced. If the command "
+      "is interrupted, the same command\ncomputes the missing trials only. `anisotropic` stands "
+      "for six values of E, each with\na column of its own; no strategy is tuned.\n"
+      "Exit code 3: fewer than 90 % of a strategy's trials ended at the red sphere.\n");
   add_scenes(app);
   add_settings(app, request_.options, SettingGroup::kDevice);
   remove_options(app, {"--force", "--strategy"});

@@ -1,16 +1,15 @@
 #include "engine/cli/experiment_power.h"
 
 #include <algorithm>
-#include <iostream>
-#include <utility>
+#include <vector>
 
-#include "engine/analysis/power_report.h"
-#include "engine/analysis/power_text.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/program_signals.h"
+#include "engine/cli/python_page.h"
 #include "engine/report/output_files.h"
+#include "engine/trials/as_printed.h"
 #include "engine/trials/canonical/canonical_rows.h"
 #include "engine/trials/deal/experiment_run.h"
 #include "geometry/base/parallel.h"
@@ -21,26 +20,37 @@ namespace {
 constexpr const char* kModelGroup = "Assumptions";
 constexpr const char* kSimulationGroup = "Simulation";
 
-int report_interrupted_power() {
-  std::cerr << "palpate: interrupted; nothing is written\n";
-  return exit_code_after_signals(0);
-}
+// The largest standard deviation, in the unit of the measure: far beyond any measure, and small
+// enough that no square overflows.
+constexpr double kMostDeviation = 1e9;
+constexpr int kMostPowerParticipants = 200;
+constexpr int kMostPowerSets = 1'000'000;
+constexpr int kMostPowerTrials = 1'000;
 
-// Writes the report. The files appear together, unless a signal has arrived before.
-int report_power(const PowerStudy& study, const std::string& out_dir, OutputFiles& files) {
-  const auto warnings = write_power_report(study, files);
-  if (!warnings) return refuse(warnings.error());
-  {
-    const SignalPhaseScope not_now(SignalPhase::kDeferred);
-    if (signal_flag().requested()) return report_interrupted_power();
-    if (const auto error = files.move_into_place()) return refuse(*error);
+// The arguments of palpate.analysis.
+std::vector<std::string> power_arguments(const ExperimentPowerRequest& request) {
+  const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
+  std::vector<std::string> arguments = {"power",
+                                        "--measure=" + request.measure,
+                                        "--effect=" + request.effects,
+                                        "--pilot=" + request.pilot,
+                                        "--following=" + request.following,
+                                        "--participants=" + std::to_string(request.participants),
+                                        "--sets=" + std::to_string(request.sets),
+                                        "--seed=" + std::to_string(request.seed),
+                                        "--jobs=" + std::to_string(request.jobs.value_or(cores))};
+  const std::pair<const char*, std::optional<double>> numbers[] = {
+      {"--error=", request.error_sd},
+      {"--share-u=", request.share_u},
+      {"--share-w=", request.share_w}};
+  for (const auto& [option, value] : numbers) {
+    if (value) arguments.push_back(option + as_printed(*value));
   }
-  std::cout << power_text(study) << "report.html, power.json and 2 tables are in " << out_dir
-            << "/\n";
-  return exit_code_after_signals(finish_output(*warnings));
+  if (request.trials) arguments.push_back("--trials=" + std::to_string(*request.trials));
+  return arguments;
 }
 
-void add_assumptions(CLI::App& app, PowerRequest& power) {
+void add_assumptions(CLI::App& app, ExperimentPowerRequest& power) {
   app.add_option("--measure", power.measure, "time, losses, penetration or angle")
       ->capture_default_str()
       ->group(kModelGroup);
@@ -58,7 +68,7 @@ void add_assumptions(CLI::App& app, PowerRequest& power) {
                  "predict, ..., or people")
       ->type_name("NAME")
       ->group(kModelGroup);
-  const NumberRange sd{0.0, kMostPowerValue, true};
+  const NumberRange sd{0.0, kMostDeviation, true};
   add_real(app, "--error", power.error_sd, sd,
            "standard deviation of one trial: of u, w and e together [the paper's]")
       ->group(kModelGroup);
@@ -75,26 +85,15 @@ void add_assumptions(CLI::App& app, PowerRequest& power) {
 }  // namespace
 
 int run_power(const ExperimentPowerRequest& request) {
-  PowerRequest power = request.power;
-  const int cores = static_cast<int>(std::min<std::size_t>(core_count(), kMostJobs));
-  power.settings.jobs = request.jobs.value_or(cores);
-  if (const auto error = check_not_canonical(power.pilot)) return refuse(*error);
-  auto study = prepare_power(power);
-  if (!study) return refuse(study.error());
+  if (const auto error = check_not_canonical(request.pilot)) return refuse(*error);
   if (const auto error = check_output()) return refuse(*error);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
-  auto files = OutputFiles::create(request.out_dir, power_report_names());
+  auto files = OutputFiles::create(
+      request.out_dir, {"report.html", "power.json", "needed_people.csv", "power.csv"});
   if (!files) return refuse(files.error());
-  std::optional<PowerCounts> counts;
-  {
-    ProgressBar bar("power");
-    counts = simulate_power(
-        study->model, study->tests, study->settings(), [&](double share) { bar.show(share); },
-        &signal_flag());
-  }
-  if (!counts) return report_interrupted_power();
-  study->counts = std::move(*counts);
-  return report_power(*study, request.out_dir, *files);
+  PageOutcome outcome = make_page(power_arguments(request), *files);
+  outcome.text += "report.html, power.json and 2 tables are in " + request.out_dir + "/\n";
+  return finish_page(outcome, *files);
 }
 
 void add_power(CLI::App& experiment, ExperimentPowerRequest& request) {
@@ -118,14 +117,13 @@ void add_power(CLI::App& experiment, ExperimentPowerRequest& request) {
            "not given run over a grid.\nA pilot (a file of `experiment run`, or of people) "
            "measures u, w and e instead:\n"
            "  ./run.sh experiment power --pilot experiment/trials.csv --following delayed\n");
-  add_assumptions(app, request.power);
-  PowerSettings& settings = request.power.settings;
-  add_integer(app, "--participants", settings.participants, {2, kMostPowerParticipants},
+  add_assumptions(app, request);
+  add_integer(app, "--participants", request.participants, {2, kMostPowerParticipants},
               "largest number of people")
       ->group(kSimulationGroup);
-  add_integer(app, "--sets", settings.sets, {100, kMostPowerSets}, "simulated data sets")
+  add_integer(app, "--sets", request.sets, {100, kMostPowerSets}, "simulated data sets")
       ->group(kSimulationGroup);
-  add_integer(app, "--seed", settings.seed, {0, (std::uint64_t{1} << 53) - 1},
+  add_integer(app, "--seed", request.seed, {0, (std::uint64_t{1} << 53) - 1},
               "seed of the data sets")
       ->group(kSimulationGroup);
   add_integer(app, "--jobs", request.jobs, {1, kMostJobs},

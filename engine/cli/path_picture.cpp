@@ -4,14 +4,15 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <optional>
-#include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "engine/cli/simplified_line.h"
-#include "engine/report/gnuplot.h"
 #include "engine/report/human_units.h"
+#include "engine/report/svg.h"
 #include "engine/report/text_file.h"
 #include "geometry/base/printable.h"
 #include "haptics/record_vectors.h"
@@ -19,11 +20,7 @@
 namespace palpate {
 namespace {
 
-// Okabe and Ito's colour-blind-safe blue and vermillion.
-constexpr const char* kPathColour = "#0072B2";
-constexpr const char* kContourColour = "#D55E00";
-
-constexpr int kFontPx = 13;
+constexpr int kFontPx = 13, kTitlePx = 15;
 
 // Pixels, from the top left corner. Each run has a column with two panels.
 constexpr int kRunWidth = 480;
@@ -31,13 +28,15 @@ constexpr int kHeight = 816;
 constexpr int kPanelLeft = 76, kPanelWidth = 384;
 constexpr int kPathTop = 66, kPathHeight = 340;
 constexpr int kAngleTop = 524, kAngleHeight = 190;
-constexpr int kTitleMiddle = 18;
-constexpr int kPathKeyTop = 458, kAngleKeyTop = 768;
+constexpr int kTitleLine = 23, kHeadGap = 16;
+constexpr int kPathKeyTop = 471, kAngleKeyTop = 781;
+constexpr int kKeyLeft = 108, kKeySample = 33, kKeyGap = 8, kKeyDrop = 5, kKeyLine = 25;
 
 constexpr double kTolerance = 0.4;         // px
 constexpr double kLargestTolerance = 1e3;  // px; every curve is one segment then
 constexpr double kColumn = 0.5;            // px of the time axis, in which extremes are kept
 constexpr double kLeastAngle_deg = -3.0, kMostAngle_deg = 93.0;
+constexpr double kTurnFrom_deg = 30.0;  // the angle that a line marks
 
 using Curve = std::vector<PicturePoint>;
 
@@ -45,10 +44,6 @@ using Curve = std::vector<PicturePoint>;
 struct View {
   PicturePoint middle_m = PicturePoint::Zero();
   double px_per_m = 1.0;
-
-  PicturePoint px(const Vec3& device_m) const {
-    return px_per_m * (PicturePoint(device_m.y(), device_m.x()) - middle_m);
-  }
 };
 
 // The contour, or the path over the surface, in the device frame as the run began.
@@ -78,30 +73,6 @@ View view_of(const std::vector<ExplorationRun>& runs) {
   PicturePoint extent = kMargin * (high - low);
   if (extent.isZero(0.0)) extent.setOnes();  // a path that is one point: any scale shows it
   return {0.5 * (low + high), std::min(kPanelWidth / extent.x(), kPathHeight / extent.y())};
-}
-
-// Tick labels at multiples of 1, 2 or 5 times a power of ten, as gnuplot's ("0" 0, "50" 50).
-std::string tics(double low, double high) {
-  constexpr double kMostTics = 6.0;
-  const double least = (high - low) / kMostTics;
-  int exponent = static_cast<int>(std::floor(std::log10(least)));
-  double step = 0.0;
-  for (const int digit : {1, 2, 5, 10}) {
-    step = digit * std::pow(10.0, exponent);
-    if (step < least) continue;
-    if (digit == 10) ++exponent;
-    break;
-  }
-  std::string text;
-  for (double n = std::ceil(low / step); n * step <= high; n += 1.0) {
-    std::array<char, 400> label{};
-    const double value = n == 0.0 ? 0.0 : n * step;  // no -0
-    std::snprintf(label.data(), label.size(), "%.*f", std::max(0, -exponent), value);
-    std::array<char, 40> place{};
-    std::snprintf(place.data(), place.size(), "%.17g", value);
-    text += (text.empty() ? "(\"" : ", \"") + std::string(label.data()) + "\" " + place.data();
-  }
-  return text.empty() ? "()" : text + ")";
 }
 
 bool is_device_axis(const Vec3& axis) {
@@ -206,125 +177,117 @@ class AngleCurve {
   std::vector<Curve> stretches_;
 };
 
-// Screen coordinates of gnuplot, from 0 to 1 and upwards.
-struct Screen {
-  int width_px;
+// A panel of a run: its area, and the key below it.
+SvgBox panel_area(std::size_t run, int top, int height) {
+  const double left = kRunWidth * static_cast<double>(run) + kPanelLeft;
+  return {left, static_cast<double>(top), left + kPanelWidth, static_cast<double>(top + height)};
+}
 
-  std::string x(int px) const { return text(static_cast<double>(px) / width_px); }
-  static std::string y(int px) { return text(1.0 - static_cast<double>(px) / kHeight); }
-  static std::string text(double share) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.9g", share);
-    return digits.data();
-  }
+struct KeyLine {
+  std::string words;
+  SvgStroke stroke;
 };
 
-class Script {
+constexpr SvgStroke kPathStroke{kSvgBlue, 1.5};
+constexpr SvgStroke kContourStroke{kSvgVermillion, 2.0};
+constexpr SvgStroke kTurnStroke{kSvgVermillion, 1.0, "3 4"};
+
+class PathPicture {
  public:
-  Script(const std::vector<ExplorationRun>& runs, const ActuationModel& actuation, double tolerance)
+  PathPicture(const std::vector<ExplorationRun>& runs, const ActuationModel& actuation,
+              double tolerance)
       : runs_(runs),
         actuation_(actuation),
         tolerance_(tolerance),
         view_(view_of(runs)),
         unit_(display_unit(kPathHeight / view_.px_per_m, "m")),
-        screen_{width_px()} {
-    out_.precision(12);
-    for (std::size_t i = 0; i < runs_.size(); ++i) write_data(i);
-  }
+        svg_(width_px(), kHeight, kFontPx) {}
 
-  // All curves together.
-  std::size_t points() const { return points_; }
-
-  int width_px() const { return kRunWidth * static_cast<int>(runs_.size()); }
-
-  std::string text(const std::string& scene_name) {
-    out_ << "set multiplot\nset grid lc rgb '#dddddd'\nset tics nomirror scale 0.7\n"
-         << "set label 1 " << gnuplot_quoted(shortened(scene_name, width_px())) << " at screen 0.5,"
-         << Screen::y(kTitleMiddle) << " center font ',15'\n";
+  std::string document(const std::string& scene_name) {
+    svg_.text({0.5 * width_px(), kTitleLine}, shortened(scene_name, width_px()),
+              {"middle", kTitlePx});
     for (std::size_t i = 0; i < runs_.size(); ++i) {
-      plot_path(i);
-      if (i == 0) out_ << "unset label 1\n";
-      plot_angle(i);
+      draw_path(i);
+      draw_angle(i);
     }
-    out_ << "unset multiplot\n";
-    return out_.str();
+    return svg_.document();
   }
 
  private:
-  // Columns of numbers that gnuplot draws as one line.
-  void write_line(const Curve& line_px, const PicturePoint& scale, const PicturePoint& origin) {
-    for (const PicturePoint& p : simplified_line(line_px, tolerance_)) {
-      ++points_;
-      out_ << origin.x() + scale.x() * p.x() << " " << origin.y() + scale.y() * p.y() << "\n";
+  int width_px() const { return kRunWidth * static_cast<int>(runs_.size()); }
+
+  // These curves, moved to `origin`, with y upwards.
+  void draw(const std::vector<Curve>& curves, const SvgPoint& origin, const SvgStroke& stroke) {
+    std::vector<SvgLine> lines;
+    for (const Curve& curve : curves) {
+      SvgLine line = simplified_line(curve, tolerance_);
+      for (SvgPoint& p : line) p = {origin.x() + p.x(), origin.y() - p.y()};
+      lines.push_back(std::move(line));
+    }
+    svg_.lines(lines, stroke);
+  }
+
+  void draw_key(const SvgBox& area, int top, const std::vector<KeyLine>& lines) {
+    double y = top;
+    for (const KeyLine& entry : lines) {
+      const double left = area.middle().x() - kKeyLeft;
+      svg_.line({{left, y}, {left + kKeySample, y}}, entry.stroke);
+      svg_.text({left + kKeySample + kKeyGap, y + kKeyDrop}, entry.words);
+      y += kKeyLine;
     }
   }
 
-  void write_data(std::size_t i) {
+  // A2 to the left and A1 upwards, with the middle of the view in the middle of the area.
+  void draw_path(std::size_t i) {
     const ExplorationRun& run = runs_[i];
-    const PicturePoint scale = PicturePoint::Constant(unit_.factor / view_.px_per_m);
-    const PicturePoint origin = unit_.factor * view_.middle_m;
+    const SvgBox area = panel_area(i, kPathTop, kPathHeight);
+    const double px_per_shown = view_.px_per_m / unit_.factor;
+    const PicturePoint middle = unit_.factor * view_.middle_m;
+    const PicturePoint half = 0.5 / px_per_shown * PicturePoint(kPanelWidth, kPathHeight);
+    SvgAxes axes{area, round_ticks(middle.x() - half.x(), middle.x() + half.x()),
+                 round_ticks(middle.y() - half.y(), middle.y() + half.y()),
+                 with_unit("A2", unit_.name), with_unit("A1", unit_.name)};
+    for (SvgTick& tick : axes.across) {
+      tick.at = area.middle().x() - px_per_shown * (tick.at - middle.x());
+    }
+    for (SvgTick& tick : axes.up) {
+      tick.at = area.middle().y() - px_per_shown * (tick.at - middle.y());
+    }
+    svg_.axes(axes);
+    svg_.text({area.middle().x(), area.top - kHeadGap}, run.a4 ? "with A4" : "without A4",
+              {"middle"});
+    const auto shown = [this](const PicturePoint& at_m) {
+      const PicturePoint px = view_.px_per_m * (at_m - view_.middle_m);
+      return PicturePoint(-px.x(), px.y());
+    };
     Curve path, followed;
-    for (const TickRecord& r : run.records) path.push_back(view_.px(vec3(r.device_m)));
-    for (const PicturePoint& p : followed_m(run)) {
-      followed.push_back(view_.px_per_m * (p - view_.middle_m));
+    for (const TickRecord& r : run.records) path.push_back(shown({r.device_m[1], r.device_m[0]}));
+    for (const PicturePoint& p : followed_m(run)) followed.push_back(shown(p));
+    draw({followed}, area.middle(), kContourStroke);
+    draw({path}, area.middle(), kPathStroke);
+    const bool is_walk = run.contour_scene_m.empty();
+    draw_key(area, kPathKeyTop,
+             {{is_walk ? "path to follow, at the start" : "contour at the start", kContourStroke},
+              {"path of the device", kPathStroke}});
+  }
+
+  void draw_angle(std::size_t i) {
+    const ExplorationRun& run = runs_[i];
+    const SvgBox area = panel_area(i, kAngleTop, kAngleHeight);
+    const double end_s = run.records.back().time_s > 0.0 ? run.records.back().time_s : 1.0;
+    const auto y_of_deg = [&](double angle_deg) {
+      return area.bottom - AngleCurve::kPxPerDeg * (angle_deg - kLeastAngle_deg);
+    };
+    SvgAxes axes{area, round_ticks(0.0, end_s), {}, "time (s)", "contact angle (deg)"};
+    for (SvgTick& tick : axes.across) tick.at = area.left + kPanelWidth / end_s * tick.at;
+    for (const int angle_deg : {0, 30, 60, 90}) {
+      axes.up.push_back({y_of_deg(angle_deg), std::to_string(angle_deg)});
     }
-    out_ << "$path" << i << " << EOD\n";
-    write_line(path, scale, origin);
-    out_ << "EOD\n$followed" << i << " << EOD\n";
-    write_line(followed, scale, origin);
-    if (followed.empty()) out_ << "NaN NaN\n";
-    out_ << "EOD\n$angle" << i << " << EOD\n";
-    const PicturePoint angle_scale(end_s(run) / kPanelWidth, 1.0 / AngleCurve::kPxPerDeg);
-    const AngleCurve curve(run);
-    for (const Curve& stretch : curve.stretches()) {
-      write_line(stretch, angle_scale, PicturePoint::Zero());
-      out_ << "\n";
-    }
-    if (curve.stretches().empty()) out_ << "NaN NaN\n";
-    out_ << "EOD\n";
-  }
-
-  static double end_s(const ExplorationRun& run) {
-    const double end_s = run.records.back().time_s;
-    return end_s > 0.0 ? end_s : 1.0;
-  }
-
-  void place_panel(std::size_t i, int top, int height, int key_top) {
-    const int left = kRunWidth * static_cast<int>(i) + kPanelLeft;
-    out_ << "set lmargin at screen " << screen_.x(left) << "\nset rmargin at screen "
-         << screen_.x(left + kPanelWidth) << "\nset tmargin at screen " << Screen::y(top)
-         << "\nset bmargin at screen " << Screen::y(top + height) << "\nset key at screen "
-         << screen_.x(left + kPanelWidth / 2) << "," << Screen::y(key_top)
-         << " center top horizontal Left reverse samplen 2.5 spacing 1.3\n";
-  }
-
-  void plot_path(std::size_t i) {
-    const PicturePoint half =
-        0.5 * unit_.factor / view_.px_per_m * PicturePoint(kPanelWidth, kPathHeight);
-    const PicturePoint low = unit_.factor * view_.middle_m - half;
-    const PicturePoint high = unit_.factor * view_.middle_m + half;
-    const bool is_walk = runs_[i].contour_scene_m.empty();
-    place_panel(i, kPathTop, kPathHeight, kPathKeyTop);
-    out_ << "set xrange [" << high.x() << ":" << low.x() << "]\nset yrange [" << low.y() << ":"
-         << high.y() << "]\nset xtics " << tics(low.x(), high.x()) << "\nset ytics "
-         << tics(low.y(), high.y()) << "\nset xlabel "
-         << gnuplot_quoted(with_unit("A2", unit_.name)) << " offset 0,0.3\nset ylabel "
-         << gnuplot_quoted(with_unit("A1", unit_.name)) << " offset 1,0\nset title '"
-         << (runs_[i].a4 ? "with A4" : "without A4") << "' offset 0,-0.4\nplot $followed" << i
-         << " with lines lw 2 lc rgb '" << kContourColour << "' title '"
-         << (is_walk ? "path to follow, at the start" : "contour at the start") << "', $path" << i
-         << " with lines lw 1.5 lc rgb '" << kPathColour << "' title 'path of the device'\n";
-  }
-
-  void plot_angle(std::size_t i) {
-    place_panel(i, kAngleTop, kAngleHeight, kAngleKeyTop);
-    out_ << "set xrange [0:" << end_s(runs_[i]) << "]\nset yrange [" << kLeastAngle_deg << ":"
-         << kMostAngle_deg << "]\nset xtics " << tics(0.0, end_s(runs_[i]))
-         << "\nset ytics 30\nset xlabel 'time (s)' offset 0,0.3\n"
-         << "set ylabel 'contact angle (deg)' offset 1,0\nunset title\nplot $angle" << i
-         << " with lines lw 1.5 lc rgb '" << kPathColour << "' title "
-         << gnuplot_quoted(angle_name(actuation_)) << ", 30 with lines dt 2 lc rgb '"
-         << kContourColour << "' title '30 deg'\n";
+    svg_.axes(axes);
+    svg_.line({{area.left, y_of_deg(kTurnFrom_deg)}, {area.right, y_of_deg(kTurnFrom_deg)}},
+              kTurnStroke);
+    draw(AngleCurve(run).stretches(), {area.left, y_of_deg(0.0)}, kPathStroke);
+    draw_key(area, kAngleKeyTop, {{angle_name(actuation_), kPathStroke}, {"30 deg", kTurnStroke}});
   }
 
   const std::vector<ExplorationRun>& runs_;
@@ -332,20 +295,15 @@ class Script {
   double tolerance_;
   View view_;
   DisplayUnit unit_;
-  Screen screen_;
-  std::ostringstream out_;
-  std::size_t points_ = 0;
+  SvgPicture svg_;
 };
 
 // The picture with the smallest tolerance at which it is small enough.
-Result<std::string> draw_svg(const std::vector<ExplorationRun>& runs,
-                             const ActuationModel& actuation, const std::string& scene_name) {
-  constexpr std::size_t kMostPoints = kLargestPicture / 12;  // "L76.00,66.00 "
+std::string path_svg(const std::vector<ExplorationRun>& runs, const ActuationModel& actuation,
+                     const std::string& scene_name) {
   for (double tolerance = kTolerance;; tolerance *= 2.0) {
-    Script script(runs, actuation, tolerance);
-    if (script.points() > kMostPoints && tolerance <= kLargestTolerance) continue;
-    auto svg = gnuplot_svg(script.text(scene_name), script.width_px(), kHeight, kFontPx);
-    if (!svg || svg->size() <= kLargestPicture || tolerance > kLargestTolerance) return svg;
+    std::string svg = PathPicture(runs, actuation, tolerance).document(scene_name);
+    if (svg.size() <= kLargestPicture || tolerance > kLargestTolerance) return svg;
   }
 }
 
@@ -354,14 +312,7 @@ Result<std::string> draw_svg(const std::vector<ExplorationRun>& runs,
 Result<std::string> write_path_picture(const std::vector<ExplorationRun>& runs,
                                        const ActuationModel& actuation,
                                        const std::string& scene_name, const std::string& svg_path) {
-  const auto svg = draw_svg(runs, actuation, scene_name);
-  if (svg) return write_text_file(svg_path, *svg);
-  Error error = svg.error();
-  error.path = svg_path;
-  if (error.code != ErrorCode::kFileUnwritable) {
-    error.hint += "; the traces are complete without it";
-  }
-  return error;
+  return write_text_file(svg_path, path_svg(runs, actuation, scene_name));
 }
 
 }  // namespace palpate

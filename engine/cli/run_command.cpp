@@ -59,17 +59,11 @@ std::optional<Error> write_run(const ExplorationRun& run, const OutputFiles& fil
   return std::nullopt;
 }
 
-// True if the picture was drawn. An error if there is no space for its file; missing gnuplot only
-// adds a warning, since the traces do not need the picture.
-Result<bool> draw(const std::vector<ExplorationRun>& runs, const ActuationModel& actuation,
-                  const std::string& scene_path, const OutputFiles& files,
-                  std::vector<std::string>& warnings) {
+std::optional<Error> draw(const std::vector<ExplorationRun>& runs, const ActuationModel& actuation,
+                          const std::string& scene_path, const OutputFiles& files) {
   const std::string name = std::filesystem::path(scene_path).filename().string();
   const auto picture = write_path_picture(runs, actuation, name, files.path(kRunPicture));
-  if (picture) return true;
-  if (picture.error().code == ErrorCode::kFileUnwritable) return files.in_place(picture.error());
-  warnings.push_back(files.in_place(picture.error()).to_string());
-  return false;
+  return picture ? std::nullopt : std::optional<Error>(files.in_place(picture.error()));
 }
 
 // A line that states what the results contain; empty if no signal arrived.
@@ -224,9 +218,9 @@ int run(const RunRequest& command) {
   const std::vector<ExplorationRun>& runs = *done;
   if (runs.empty()) return report_nothing_done();
   std::vector<std::string> warnings = load_warning_lines(prepared->scene);
-  const Result<bool> has_picture =
-      draw(runs, prepared->setup.actuation, command.scene.path, *files, warnings);
-  if (!has_picture) return refuse_results(has_picture.error());
+  if (const auto error = draw(runs, prepared->setup.actuation, command.scene.path, *files)) {
+    return refuse_results(*error);
+  }
   if (const auto error = move_into_place(*files)) return refuse_results(*error);
   if (const std::string& note = runs.front().realtime_note; !note.empty()) warnings.push_back(note);
   for (std::string& line : recording_warnings(recordings)) warnings.push_back(std::move(line));
@@ -240,8 +234,8 @@ int run(const RunRequest& command) {
   } else {
     std::cout << judgement_text(runs, advice, signal_flag().requested()) << interruption
               << run_heading(command, *prepared, workspace_text(prepared->setup.device))
-              << runs_text(runs, prepared->scene) << timing_text(*prepared, runs) << "traces"
-              << (*has_picture ? " and paths.svg" : "") << " in " << command.out_dir << "/\n";
+              << runs_text(runs, prepared->scene) << timing_text(*prepared, runs)
+              << "traces and paths.svg in " << command.out_dir << "/\n";
     for (const RecordingResult& recording : recordings) std::cout << recording_text(recording);
   }
   const int code = finish_output(warnings);

@@ -8,7 +8,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/trials/key_hash.h"
 #include "engine/trials/plan_device.h"
 
 namespace palpate {
@@ -70,20 +69,15 @@ Json object_json(const SceneSettings& scene, const std::string& file) {
   return json;
 }
 
-Json strategies_json(const CompareSettings& settings, CompareHands hands) {
+Json strategies_json(const CompareSettings& settings) {
   Json names = Json::array();
-  if (hands == CompareHands::kCompared) {
-    for (const Strategy& strategy : settings.strategies) names.push_back(name_of(strategy));
-  }
-  if (settings.is_tuned) {
-    for (const Strategy& level : tuned_levels()) names.push_back(name_of(level));
-  }
+  for (const Strategy& strategy : settings.strategies) names.push_back(name_of(strategy));
   return names;
 }
 
 // path_of: converts a path from the current folder to one in the plan.
 template <typename PathOf>
-std::string plan_text(const CompareSettings& settings, CompareHands hands, const PathOf& path_of) {
+std::string plan_text(const CompareSettings& settings, const PathOf& path_of) {
   Json objects = Json::object();
   const auto names = object_names(settings.scenes);
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -95,8 +89,8 @@ std::string plan_text(const CompareSettings& settings, CompareHands hands, const
     followings.push_back(kFollowingNames[i]);
   }
   Json plan = {{"palpate_plan", 1},
-               {"name", hands == CompareHands::kCompared ? "compare" : "compare, tuning"},
-               {"seed", compare_seed(settings.seed, hands)},
+               {"name", "compare"},
+               {"seed", settings.seed},
                {"participants", settings.hands},
                {"blocks", 1},
                {"practice_blocks", 0},
@@ -104,7 +98,7 @@ std::string plan_text(const CompareSettings& settings, CompareHands hands, const
                {"display_Hz", TrialSettings{}.display_Hz},
                {"sphere_radius_m", TrialSettings{}.sphere_radius_m},
                {"limit_s", TrialSettings{}.limit_s},
-               {"strategies", strategies_json(settings, hands)},
+               {"strategies", strategies_json(settings)},
                {"objects", objects},
                {"operator", is_shipped ? settings.person : path_of(settings.person)},
                {"followings", followings}};
@@ -114,18 +108,17 @@ std::string plan_text(const CompareSettings& settings, CompareHands hands, const
 
 }  // namespace
 
-std::vector<Strategy> tuned_levels() {
-  std::vector<Strategy> levels;
-  for (const double e : kTunedAnisotropies) levels.push_back({&kAnisotropicStrategy, e});
-  return levels;
+std::vector<Strategy> anisotropic_strategies() {
+  std::vector<Strategy> strategies;
+  for (const double e : {1.0 / 16, 0.25, 0.5, 2.0, 4.0, 16.0}) {
+    strategies.push_back({&kAnisotropicStrategy, e});
+  }
+  return strategies;
 }
 
 std::string every_strategy() {
   std::string list;
   for (const StrategyType* type : strategies()) {
-    if (type->parameter && !type->parameter->value_of_name_alone && type->name != kTunedStrategy) {
-      continue;
-    }
     list += (list.empty() ? "" : ",") + std::string(type->name);
   }
   return list;
@@ -135,7 +128,7 @@ std::string strategies_help() {
   std::string text;
   for (const StrategyType* type : strategies()) {
     if (!text.empty()) text += type == strategies().back() ? " and " : ", ";
-    if (type->name == kTunedStrategy) text += std::string(type->name) + ", ";
+    if (type == &kAnisotropicStrategy) text += std::string(type->name) + ", ";
     text += name_with_symbol(*type);
   }
   return text;
@@ -143,59 +136,40 @@ std::string strategies_help() {
 
 Result<CompareSettings> with_strategies(CompareSettings settings, std::string_view list) {
   settings.strategies.clear();
-  settings.is_tuned = false;
   const auto refused = [](const std::string& problem, const std::string& hint) {
     return invalid_argument("strategies", problem, hint);
   };
-  bool is_repeated = false;
   while (true) {
     const std::string_view name = list.substr(0, list.find(','));
-    if (name == kTunedStrategy) {
-      is_repeated = settings.is_tuned;
-      settings.is_tuned = true;
-    } else {
+    std::vector<Strategy> named = anisotropic_strategies();
+    if (name != kAnisotropicStrategy.name) {
       const auto strategy = parse_strategy(name);
       if (!strategy) {
         return refused("has a name that " + strategy.error().problem +
-                           ", or anisotropic, which tries several E",
+                           ", or anisotropic, which stands for six E",
                        "separate the names by commas, as in mask,a4");
       }
-      is_repeated = std::find(settings.strategies.begin(), settings.strategies.end(), *strategy) !=
-                    settings.strategies.end();
-      settings.strategies.push_back(*strategy);
+      named = {*strategy};
     }
-    if (is_repeated) {
-      return refused("has " + std::string(name) + " twice; expected each strategy once", "");
+    for (const Strategy& strategy : named) {
+      const auto& all = settings.strategies;
+      if (std::find(all.begin(), all.end(), strategy) != all.end()) {
+        return refused("has " + name_of(strategy) + " twice; expected each strategy once",
+                       name == kAnisotropicStrategy.name ? "anisotropic stands for six E" : "");
+      }
+      settings.strategies.push_back(strategy);
     }
-    if (name.size() == list.size()) break;
+    if (name.size() == list.size()) return settings;
     list.remove_prefix(name.size() + 1);
   }
-  for (const Strategy& level : settings.is_tuned ? tuned_levels() : std::vector<Strategy>{}) {
-    if (std::find(settings.strategies.begin(), settings.strategies.end(), level) ==
-        settings.strategies.end()) {
-      continue;
-    }
-    return refused("has both anisotropic and " + name_of(level) + "; expected one of them",
-                   "anisotropic tries this E, too");
-  }
-  return settings;
 }
 
-std::uint64_t compare_seed(std::uint64_t seed, CompareHands hands) {
-  if (hands == CompareHands::kCompared) return seed;
-  constexpr int kUnusedBits = 64 - 53;  // seeds of plans are below 2^53
-  return KeyHash().add("tuning").add(seed).value() >> kUnusedBits;
+std::string compare_plan_text(const CompareSettings& settings, const std::string& folder) {
+  return plan_text(settings, [&](const std::string& path) { return path_from(folder, path); });
 }
 
-std::string compare_plan_text(const CompareSettings& settings, CompareHands hands,
-                              const std::string& folder) {
-  return plan_text(settings, hands,
-                   [&](const std::string& path) { return path_from(folder, path); });
-}
-
-Result<ExperimentPlan> compare_plan(const CompareSettings& settings, CompareHands hands) {
-  const std::string text =
-      plan_text(settings, hands, [](const std::string& scene) { return scene; });
+Result<ExperimentPlan> compare_plan(const CompareSettings& settings) {
+  const std::string text = plan_text(settings, [](const std::string& scene) { return scene; });
   return parse_plan(text, "", "");
 }
 

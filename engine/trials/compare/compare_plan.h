@@ -1,8 +1,7 @@
 #pragma once
 
-// The plans of a comparison of strategies: what `palpate compare` writes and runs.
+// The plan of a comparison of strategies: what `palpate compare` writes and runs.
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -16,13 +15,9 @@
 
 namespace palpate {
 
-// The name of the strategy that stands for the best of several values of E.
-inline constexpr std::string_view kTunedStrategy = kAnisotropicStrategy.name;
-// The values of E that are tried.
-inline constexpr std::array<double, 6> kTunedAnisotropies = {1.0 / 16, 0.25, 0.5, 2.0, 4.0, 16.0};
-std::vector<Strategy> tuned_levels();
-// The list of all strategies, and the same for a help text. Of those that need a
-// number, only kTunedStrategy is in the list.
+// The strategies of `anisotropic` in a list: several values of E, each a strategy of its own.
+std::vector<Strategy> anisotropic_strategies();
+// The list of all strategies, and the same for a help text.
 std::string every_strategy();
 std::string strategies_help();
 
@@ -32,31 +27,23 @@ struct CompareSettings {
   RunSettings device;               // two sensors; force, A4 and moves are not used
   int hands = 20;
   std::vector<Strategy> strategies;
-  bool is_tuned = false;  // with kTunedStrategy, at the end of the list
   std::string person = "people2005";
   bool has_all_followings = false;  // false: kDelayed alone
   std::uint64_t seed = 2005;
 };
 
-// Reads a list of names of strategies, separated by commas; kTunedStrategy is allowed. An error has
-// the element "strategies".
+// Reads a list of names of strategies, separated by commas; `anisotropic` without a number stands
+// for anisotropic_strategies(). An error has the element "strategies".
 Result<CompareSettings> with_strategies(CompareSettings settings, std::string_view list);
-
-// Which hands a plan has. The hands that tune have other random numbers than those compared.
-enum class CompareHands : std::uint8_t { kCompared, kTuning };
-
-// The seed of the plan of these hands.
-std::uint64_t compare_seed(std::uint64_t seed, CompareHands hands);
 
 // The text of a plan for a file in this folder, with paths that lead from there to the scenes. The
 // objects have the names of the files, without what kMostObjectNameBytes and plans do not allow;
 // equal names get a number. The sizes of the spheres, the display and the time limit are those of
 // the paper's plan.
-std::string compare_plan_text(const CompareSettings& settings, CompareHands hands,
-                              const std::string& folder);
+std::string compare_plan_text(const CompareSettings& settings, const std::string& folder);
 
 // The plan itself, whose scenes have the paths of the settings, so that errors name them. Errors of
 // the plan have no path.
-Result<ExperimentPlan> compare_plan(const CompareSettings& settings, CompareHands hands);
+Result<ExperimentPlan> compare_plan(const CompareSettings& settings);
 
 }  // namespace palpate

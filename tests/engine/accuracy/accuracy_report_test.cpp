@@ -1,40 +1,34 @@
-// The table, the diagrams and the page of the accuracy report, for made-up knobs.
+// What `accuracy` writes for other programs, for made-up knobs: the table and accuracy.json.
 
-#include "engine/accuracy/accuracy_report.h"
-
-#include <algorithm>
 #include <charconv>
-#include <cstdlib>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
+#include <limits>
 #include <map>
-#include <regex>
-#include <set>
 #include <string>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/accuracy/accuracy_csv.h"
-#include "engine/report/gnuplot.h"
-#include "engine/report/html.h"
-#include "engine/report/human_units.h"
-#include "engine/report/label_places.h"
-#include "engine/report/plot_axis.h"
+#include "engine/accuracy/accuracy_json.h"
+#include "engine/devices/light_device.h"
 #include "engine/report/text_file.h"
 #include "geometry/base/printable.h"
 #include "tests/engine/accuracy/sample_knobs.h"
+#include "tests/helpers/made.h"
 #include "tests/helpers/needs.h"
-#include "tests/helpers/random.h"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-using test::Random;
 
 class Folder {
  public:
@@ -46,7 +40,6 @@ class Folder {
   ~Folder() { fs::remove_all(path_); }
 
   std::string file(const std::string& name) const { return path_ / name; }
-  auto count() const { return std::distance(fs::directory_iterator(path_), {}); }
 
  private:
   fs::path path_;
@@ -108,144 +101,18 @@ double number(const std::string& text) {
   return value;
 }
 
-// The tags of an XML document, checked to be well-formed: elements nest, attributes are quoted and
-// unique, and texts contain known entities only.
-class Xml {
- public:
-  explicit Xml(std::string_view text) : rest_(text) {
-    while (!rest_.empty() && problem_.empty()) step();
-    if (problem_.empty() && !open_.empty()) problem_ = "not closed: " + open_.back();
-  }
-
-  const std::string& problem() const { return problem_; }
-  const std::vector<std::string>& ids() const { return ids_; }
-  const std::vector<std::string>& references() const { return references_; }
-  const std::string& text() const { return text_; }
-  int count(const std::string& name) const {
-    const auto found = counts_.find(name);
-    return found == counts_.end() ? 0 : found->second;
-  }
-
- private:
-  void step() {
-    if (rest_.starts_with("<?") || rest_.starts_with("<!")) {
-      rest_.remove_prefix(std::min(rest_.find('>'), rest_.size() - 1) + 1);
-    } else if (rest_.front() == '<') {
-      tag();
-    } else {
-      const std::size_t end = std::min(rest_.find('<'), rest_.size());
-      check_entities(rest_.substr(0, end));
-      text_ += rest_.substr(0, end);
-      rest_.remove_prefix(end);
-    }
-  }
-
-  void check_entities(std::string_view text) {
-    static const std::regex kBad("&(?!(amp|lt|gt|quot|apos|#[0-9]+);)");
-    if (std::regex_search(text.begin(), text.end(), kBad)) {
-      problem_ = "an entity in: " + std::string(text.substr(0, 80));
-    }
-  }
-
-  void tag() {
-    static const std::regex kTag(
-        "^<(/?)([A-Za-z][\\w:.-]*)((?:\\s+[A-Za-z_:][\\w:.-]*\\s*=\\s*(?:\"[^\"<]*\"|'[^'<]*'))*)"
-        "\\s*(/?)>");
-    std::cmatch match;
-    const std::size_t length = std::min<std::size_t>(rest_.find('>') + 1, rest_.size());
-    if (!std::regex_search(rest_.data(), rest_.data() + length, match, kTag)) {
-      problem_ = "no tag: " + std::string(rest_.substr(0, 80));
-      return;
-    }
-    const std::string name = match[2];
-    if (match[1].length() > 0) {
-      if (open_.empty() || open_.back() != name) problem_ = "closes nothing: " + name;
-      if (!open_.empty()) open_.pop_back();
-    } else {
-      ++counts_[name];
-      attributes(match[3]);
-      if (match[4].length() == 0) open_.push_back(name);
-    }
-    rest_.remove_prefix(static_cast<std::size_t>(match.length()));
-  }
-
-  void attributes(const std::string& text) {
-    static const std::regex kAttribute("([\\w:.-]+)\\s*=\\s*(?:\"([^\"]*)\"|'([^']*)')");
-    std::set<std::string> names;
-    for (std::sregex_iterator i(text.begin(), text.end(), kAttribute), end; i != end; ++i) {
-      const std::string name = (*i)[1], value = (*i)[2].matched ? (*i)[2] : (*i)[3];
-      if (!names.insert(name).second) problem_ = "twice: " + name;
-      check_entities(value);
-      if (name == "id") ids_.push_back(value);
-      if (name == "href" || name == "xlink:href") references_.push_back(value);
-      static const std::regex kUrl("url\\((#[^)]*)\\)");
-      std::smatch url;
-      if (std::regex_search(value, url, kUrl)) references_.push_back(url[1]);
-    }
-  }
-
-  std::string_view rest_;
-  std::string problem_, text_;
-  std::vector<std::string> open_, ids_, references_;
-  std::map<std::string, int> counts_;
-};
-
-std::string unescaped(std::string text) {
-  for (const auto& [entity, character] : std::vector<std::pair<std::string, std::string>>{
-           {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&apos;", "'"}, {"&amp;", "&"}}) {
-    for (std::size_t at = 0; (at = text.find(entity, at)) != std::string::npos; ++at) {
-      text.replace(at, entity.size(), character);
-    }
-  }
-  return text;
-}
-
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-// All numbers in it are numbers.
-void expect_finite(const std::string& svg) {
-  static const std::regex kBad("[^A-Za-z](nan|inf)[^A-Za-z]", std::regex::icase);
-  std::smatch match;
-  EXPECT_FALSE(std::regex_search(svg, match, kBad)) << match.str();
-}
-
-AccuracyReport report_of(const std::vector<KnobResult>& results) {
-  AccuracyReport report;
-  report.title = "What accuracy <costs>";
-  report.facts = {{"machine", "a & b"}, {"commit", "\"unknown\""}};
-  report.chapters = chapters_of(results);
-  return report;
-}
-
-// The svg elements of a page, each as a document.
-std::vector<std::string> figures_of(const std::string& html) {
-  std::vector<std::string> figures;
-  for (std::size_t at = html.find("<svg"); at != std::string::npos; at = html.find("<svg", at)) {
-    const std::size_t end = html.find("</svg>", at) + 6;
-    figures.push_back(html.substr(at, end - at));
-    at = end;
-  }
-  return figures;
-}
-
 class AllSamples : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    results_ = new std::vector<KnobResult>(test::all_samples());
-    html_ = new std::string(report_html(report_of(*results_)));
-  }
-  static void TearDownTestSuite() {
-    delete results_;
-    delete html_;
-  }
+  static void SetUpTestSuite() { results_ = new std::vector<KnobResult>(test::all_samples()); }
+  static void TearDownTestSuite() { delete results_; }
   static const std::vector<KnobResult>& results() { return *results_; }
-  static const std::string& html() { return *html_; }
 
  private:
   static inline std::vector<KnobResult>* results_ = nullptr;
-  static inline std::string* html_ = nullptr;
 };
 
 // Table
@@ -316,10 +183,10 @@ TEST(AccuracyCsv, IsWrittenToAFileOrAnErrorNamesIt) {
   const Folder folder;
   const std::vector<KnobResult> results = {test::sample_mesh()};
   const std::string path = folder.file("report.csv");
-  ASSERT_TRUE(write_accuracy_csv(results, path).ok());
+  ASSERT_TRUE(write_text_file(path, accuracy_csv(results)).ok());
   EXPECT_EQ(content_of(path), accuracy_csv(results));
 
-  const auto nowhere = write_accuracy_csv(results, folder.file("no/such/report.csv"));
+  const auto nowhere = write_text_file(folder.file("no/such/report.csv"), accuracy_csv(results));
   ASSERT_FALSE(nowhere.ok());
   EXPECT_EQ(nowhere.error().code, ErrorCode::kFileUnwritable);
   EXPECT_EQ(nowhere.error().path, folder.file("no/such/report.csv"));
@@ -335,337 +202,145 @@ TEST(TextFile, AFullDiskIsNoticed) {
   EXPECT_TRUE(fs::exists("/dev/full"));
 }
 
-// gnuplot
+// JSON
 
-TEST(Gnuplot, DrawsAnyText) {
-  const Folder folder;
-  for (const std::string& text :
-       {"`touch '" + folder.file("oops") + "'` $(touch x)", std::string(R"('a''b''')"),
-        std::string(R"(""c\)"), std::string(R"(\n\047 @a a_b^{c} 9)"), std::string("<b>&amp;</b>"),
-        std::string("50 % %g %%"), std::string("µ 10⁻⁶")}) {
-    SCOPED_TRACE(text);
-    const std::string quoted = gnuplot_quoted(text);
-    const auto svg =
-        gnuplot_svg("a = 'macro'\nset title " + quoted + "\nset xtics (" + gnuplot_tick(text) +
-                        " 0)\nset label " + quoted + " at 0,0\nplot [-1:1] x title " + quoted,
-                    400, 300, 14);
-    ASSERT_TRUE(svg.ok()) << svg.error().to_string();
-    const Xml xml(*svg);
-    EXPECT_EQ(xml.problem(), "");
-    const std::string drawn = unescaped(xml.text());
-    int found = 0;
-    for (std::size_t at = 0; (at = drawn.find(text, at)) != std::string::npos; ++at) ++found;
-    EXPECT_EQ(found, 4);  // title, tick, label, legend
+using Json = nlohmann::json;
+
+// The chart takes a second.
+const StiffnessChart& chart_with(DelayInterval delay) {
+  static std::map<double, StiffnessChart> charts;
+  const auto found = charts.find(delay.most_s);
+  if (found != charts.end()) return found->second;
+  DeviceDescription device = light_device();
+  device.delay = delay;
+  return charts[delay.most_s] = test::made(stiffness_chart(device, {}, 1000.0));
+}
+
+// The file of these knobs, and of a scene if there is one.
+std::string json_text(const std::vector<KnobResult>& results, const SceneFindings* scene = nullptr,
+                      DelayInterval delay = {}) {
+  AdviceInput input;
+  input.results = results;
+  input.scene = scene;
+  input.device = light_device();
+  input.scene_options = {"a <b>.glb"};
+  const Advice advice = test::made(advise(input));
+  return accuracy_json({advice, {}, results, scene, chart_with(delay)});
+}
+
+void expect_spread(const Json& json, const Spread& spread) {
+  EXPECT_EQ(json["low"].get<double>(), spread.low);
+  EXPECT_EQ(json["median"].get<double>(), spread.median);
+  EXPECT_EQ(json["high"].get<double>(), spread.high);
+}
+
+void expect_level(const Json& json, const LevelResult& level) {
+  EXPECT_EQ(json["label"], printable(level.label));
+  EXPECT_EQ(json["value"].get<double>(), level.value);
+  EXPECT_EQ(json["failures"], level.failures);
+  EXPECT_EQ(json["repeats"], level.repeats);
+  EXPECT_EQ(json["failure"], printable(level.failure));
+  EXPECT_EQ(json["at_floor"], level.at_floor);
+  EXPECT_EQ(json["on_front"], level.on_front);
+  if (!level.was_measured()) {
+    EXPECT_TRUE(json["error"].is_null() && json["time"].is_null() && json["iterations"].is_null());
+    return;
   }
-  EXPECT_EQ(folder.count(), 0);
+  expect_spread(json["error"], level.error);
+  expect_spread(json["time"], level.time);
+  EXPECT_EQ(json["iterations"].get<double>(), level.iterations);
 }
 
-TEST(Gnuplot, InvalidUtf8BecomesValidXml) {
-  for (const char* bad : {"\xff", "\xc0\xaf", "\xe0\x80\x80", "a\xe2\x82", "\xed\xa0\x80",
-                          "\xf5\x80\x80\x80", "\x01\x7f", "\xef\xbf\xbf", "a\nb\tc"}) {
-    const std::string fit = printable(bad);
-    EXPECT_EQ(printable(fit), fit);
-    EXPECT_TRUE(std::none_of(fit.begin(), fit.end(), [](unsigned char c) {
-      return c < 32 || c >= 127;
-    })) << fit;
-  }
-  EXPECT_EQ(printable("µm, 10⁻⁶, €, 😀"), "µm, 10⁻⁶, €, 😀");
-}
-
-TEST(Gnuplot, ReportsAnErrorInAScript) {
-  const auto svg = gnuplot_svg("plot no_such_function(x)\n", 400, 300, 14);
-  ASSERT_FALSE(svg.ok());
-  EXPECT_TRUE(contains(svg.error().problem, "no_such_function")) << svg.error().problem;
-}
-
-TEST(Gnuplot, ReportsThatItIsMissing) {
-  const Folder folder;
-  const std::string path = std::getenv("PATH");
-  ::setenv("PATH", folder.file("").c_str(), 1);
-  const auto svg = gnuplot_svg("plot x\n", 400, 300, 14);
-  const auto panels = work_precision_panels(test::sample_mesh());
-  ::setenv("PATH", path.c_str(), 1);
-  ASSERT_FALSE(svg.ok());
-  EXPECT_TRUE(contains(svg.error().hint, "install gnuplot-nox"));
-  // The rest of the report is complete.
-  ASSERT_FALSE(panels.ok());
-  AccuracyReport report;
-  report.chapters.push_back({test::sample_mesh(), panels});
-  const std::string html = report_html(report);
-  EXPECT_TRUE(contains(html, "No diagram"));
-  EXPECT_TRUE(contains(html, "install gnuplot-nox"));
-  EXPECT_TRUE(contains(html, "797")) << "levels";
-}
-
-// Diagrams
-
-TEST_F(AllSamples, ADiagramIsWellFormedAndHasBothPanels) {
-  for (const KnobResult& result : results()) {
-    SCOPED_TRACE(result.knob.name);
-    const auto svg = work_precision_svg(result);
-    ASSERT_TRUE(svg.ok()) << svg.error().to_string();
-    const Xml xml(*svg);
-    EXPECT_EQ(xml.problem(), "");
-    EXPECT_TRUE(contains(xml.text(), "error against time"));
-    EXPECT_TRUE(contains(xml.text(), "error against level") ||
-                contains(xml.text(), "time against level"));
-    expect_finite(*svg);
+TEST_F(AllSamples, JsonGivesBackEveryNumberToTheBit) {
+  const Json json = Json::parse(json_text(results()));
+  EXPECT_EQ(json["format"], kAccuracyJsonFormat);
+  EXPECT_TRUE(json["scene"].is_null());
+  ASSERT_EQ(json["knobs"].size(), results().size());
+  for (std::size_t k = 0; k < results().size(); ++k) {
+    const KnobResult& result = results()[k];
+    const Json& knob = json["knobs"][k];
+    EXPECT_EQ(knob["enough"].get<double>(), result.knob.enough);
+    EXPECT_EQ(knob["default"]["level"], result.knob.default_level);
+    EXPECT_EQ(knob["recommended"].is_null(), !result.recommended.has_value());
+    ASSERT_EQ(knob["methods"].size(), result.methods.size());
+    for (std::size_t m = 0; m < result.methods.size(); ++m) {
+      const MethodResult& method = result.methods[m];
+      const Json& shown = knob["methods"][m];
+      EXPECT_EQ(shown["floor"].get<double>(), method.floor);
+      EXPECT_EQ(shown.value("order", Json(nullptr)),
+                method.order ? Json(*method.order) : Json(nullptr));
+      ASSERT_EQ(shown["levels"].size(), method.levels.size());
+      for (std::size_t l = 0; l < method.levels.size(); ++l) {
+        expect_level(shown["levels"][l], method.levels[l]);
+      }
+    }
+    ASSERT_EQ(knob["presets"].size(), result.presets.size());
+    for (std::size_t p = 0; p < result.presets.size(); ++p) {
+      expect_level(knob["presets"][p], result.presets[p]);
+    }
   }
 }
 
-TEST(WorkPrecision, AxesHaveNamesAndUnits) {
-  const auto mesh = work_precision_panels(test::sample_mesh());
-  ASSERT_TRUE(mesh.ok());
-  EXPECT_TRUE(contains(mesh->error_against_time, ">depth error (µm)<"));
-  EXPECT_TRUE(contains(mesh->error_against_time, ">time of a tick (µs)<"));
-  EXPECT_TRUE(contains(mesh->error_against_level, ">edge length (mm)<"));
-  EXPECT_TRUE(contains(mesh->error_against_level, ">depth error (µm)<"));
-  const auto integrator = work_precision_panels(test::sample_integrator());
-  ASSERT_TRUE(integrator.ok());
-  EXPECT_TRUE(contains(integrator->error_against_time, ">computing for a second of contact (ms)<"));
+TEST(AccuracyJson, HasTheAdviceAndTheWordsOfItsCommand) {
+  const Json advice = Json::parse(json_text({test::sample_mesh()}))["advice"];
+  EXPECT_EQ(advice["subject"], "For this device");
+  ASSERT_EQ(advice["answers"].size(), 6u);
+  EXPECT_EQ(advice["answers"][0]["setting"], "Rate");
+  EXPECT_EQ(advice["answers"][0]["value"], "1 kHz");
+  EXPECT_TRUE(contains(advice["answers"][0]["reason"], "were not measured"));
+  EXPECT_EQ(advice["command"][2], "'a <b>.glb'") << "a word of a shell";
 }
 
-TEST(WorkPrecision, FloorOrderPresetsAndFailuresAreNamed) {
-  const auto panels = work_precision_panels(test::sample_integrator());
-  ASSERT_TRUE(panels.ok());
-  EXPECT_TRUE(contains(panels->error_against_time, ">floor<"));
-  EXPECT_TRUE(contains(panels->error_against_time, "explicit Euler (2 failed)"));
-  EXPECT_TRUE(contains(panels->error_against_time, "Runge-Kutta 4 (1 failed)"));
-  EXPECT_TRUE(contains(panels->error_against_time, ">preset exact<"));
-  EXPECT_FALSE(contains(panels->error_against_time, ">preset fast<")) << "it failed";
-  EXPECT_TRUE(contains(panels->error_against_time, ">recommended<"));
-  EXPECT_TRUE(contains(panels->error_against_level, "Runge-Kutta 4: order 4.00 (theory 4)"));
-  EXPECT_TRUE(contains(panels->error_against_level, ">floor<"));
+TEST(AccuracyJson, ANumberWithoutBoundIsNull) {
+  KnobResult result = test::sample_mesh();
+  result.knob.enough = result.default_behind = std::numeric_limits<double>::infinity();
+  const Json knob = Json::parse(json_text({result}))["knobs"][0];
+  EXPECT_TRUE(knob["enough"].is_null());
+  EXPECT_TRUE(knob["default_behind"].is_null());
+  EXPECT_EQ(knob["default_on_front"], false);
 }
 
-TEST(WorkPrecision, TheSlopeOfEachExpectedOrderIsDrawn) {
-  const auto dashed_lines = [](const KnobResult& result) {
-    const std::string svg = work_precision_panels(result)->error_against_level;
-    static const std::regex kDashed("stroke-dasharray");
-    return std::distance(std::sregex_iterator(svg.begin(), svg.end(), kDashed), {});
+TEST(AccuracyJson, HasTheFindingsOnAScene) {
+  SceneFindings findings;
+  findings.path = "of/a<b>\n.glb";
+  findings.device = light_device();
+  findings.measured.presets[0].name = "fast";
+  findings.measured.presets[0].p50_ns = {1.0, 2.0, 3.0};
+  findings.measured.kept_rate.trials = {{1000.0, 2, 2, 2000, 1, 12'700},
+                                        {2000.0, 3, 1, 4000, 9, 1}};
+  findings.measured.kept_rate.realtime_note = "<i>";
+  const SurfaceCoupling hard{"<script>\"x\"", {1001.0, 0.0}};
+  findings.verdicts = test::made(judge_couplings({hard}, light_device(), {1e-3, 0.0}, 0.0));
+  findings.by_rate = {{1000.0, findings.verdicts[0].limits}};
+  const Json scene = Json::parse(json_text({}, &findings))["scene"];
+  EXPECT_EQ(scene["name"], "a<b> .glb");
+  expect_spread(scene["presets"][0]["p50_ns"], {1.0, 2.0, 3.0});
+  EXPECT_EQ(scene["kept_rate"]["trials"][0]["passed"], true);
+  EXPECT_EQ(scene["kept_rate"]["trials"][1]["passed"], false);
+  EXPECT_EQ(scene["kept_rate"]["realtime_note"], "<i>");
+  const Json& surface = scene["surfaces"][0];
+  EXPECT_EQ(surface["name"], "<script>\"x\"");
+  EXPECT_EQ(surface["is_passive"], false);
+  EXPECT_EQ(surface["effective"], "1001 N/m") << "as many digits as tell it from its limit";
+  EXPECT_EQ(surface["passive_up_to"], "1000 N/m");
+  EXPECT_EQ(surface["is_refused"], false);
+  EXPECT_EQ(scene["limits"][0]["passive_N_per_m"].get<double>(), 1000.0);
+}
+
+TEST(AccuracyJson, SaysWhetherTheDelayIsStated) {
+  const auto stiffness = [](DelayInterval delay) {
+    return Json::parse(json_text({}, nullptr, delay))["stiffness"];
   };
-  KnobResult result = test::sample_integrator();
-  const auto with_orders = dashed_lines(result);
-  for (MethodResult& method : result.methods) method.expected_order.reset();
-  EXPECT_EQ(with_orders - dashed_lines(result), 3) << "two methods and the legend";
+  EXPECT_EQ(stiffness({})["assumes_delay"], true);
+  EXPECT_EQ(stiffness({0.0, 1e-3})["assumes_delay"], false);
+  EXPECT_TRUE(contains(stiffness({})["verdict"], "K 1 kN/m is calm only by the controller"));
 }
 
-TEST(WorkPrecision, AKnobWithoutASuccessfulLevelIsDrawn) {
-  KnobResult result = test::sample_integrator();
-  for (MethodResult& method : result.methods) {
-    for (LevelResult& level : method.levels)
-      level = {level.value, level.label, {}, {}, 0, 0, 0, 21, 21, "no", false, false};
-  }
-  for (LevelResult& preset : result.presets) preset.failures = 21;
-  result.recommended.reset();
-  const auto svg = work_precision_svg(result);
-  ASSERT_TRUE(svg.ok()) << svg.error().to_string();
-  expect_finite(*svg);
-}
-
-TEST(WorkPrecision, ExtremeNumbersAreDrawn) {
-  Random random(20261);
-  for (int i = 0; i < 10; ++i) {
-    KnobResult result = test::sample_mesh();
-    for (MethodResult& method : result.methods) {
-      for (LevelResult& level : method.levels) {
-        const auto any = [&] { return std::pow(10.0, random.uniform(-300.0, 300.0)); };
-        level.value = random.index(4) == 0 ? 0.0 : any();
-        level.error = Spread::of({any(), random.index(4) == 0 ? 0.0 : any(), any()});
-        level.time = Spread::of({any(), any(), -any()});
-        level.label = std::string(random.index(60), 'x');
-      }
-    }
-    const auto svg = work_precision_svg(result);
-    ASSERT_TRUE(svg.ok()) << svg.error().to_string();
-    expect_finite(*svg);
-  }
-}
-
-TEST(PlotAxis, ShowsZeroBelowAllPositiveValues) {
-  PlotAxis axis;
-  for (const double value : {1e-6, 0.0, 1e-3}) axis.see(value);
-  axis.settle("m");
-  EXPECT_LT(axis.begin(), axis.at(0.0));
-  ASSERT_TRUE(axis.zero_band().has_value());
-  EXPECT_LT(axis.at(0.0), *axis.zero_band());
-  EXPECT_LT(*axis.zero_band(), axis.at(1e-6));
-  EXPECT_DOUBLE_EQ(axis.at(1e-3), -3.0);
-  EXPECT_TRUE(std::any_of(axis.ticks().begin(), axis.ticks().end(), [&](const PlotAxis::Tick& t) {
-    return t.label == "0" && t.position == axis.at(0.0);
-  }));
-}
-
-TEST(PlotAxis, TicksAreWhereTheirLabelsSay) {
-  const std::map<std::string, double> metres = {
-      {"m", 1.0}, {"mm", 1e-3}, {"µm", 1e-6}, {"nm", 1e-9}};
-  Random random(20262);
-  int checked = 0;
-  for (int i = 0; i < 2000; ++i) {
-    const double low = std::pow(10.0, random.uniform(-12.0, 3.0));
-    const double high = low * std::pow(10.0, random.uniform(0.0, 3.0));
-    PlotAxis axis;
-    axis.see(low);
-    axis.see(high);
-    axis.settle("m");
-    int labelled = 0;
-    for (const PlotAxis::Tick& tick : axis.ticks()) {
-      EXPECT_GE(tick.position, axis.begin());
-      EXPECT_LE(tick.position, axis.end());
-      if (tick.label.empty()) continue;
-      ++labelled;
-      char* end = nullptr;
-      const double said = std::strtod(tick.label.c_str(), &end);
-      if (*end != '\0') continue;  // a power of ten with a superscript
-      ++checked;
-      constexpr double kThreeDigits = 0.0022;  // log10 of 1.005
-      EXPECT_NEAR(std::log10(said * metres.at(axis.unit())), tick.position, kThreeDigits)
-          << low << " to " << high;
-    }
-    EXPECT_GE(labelled, 2) << low << " to " << high;
-    EXPECT_LE(labelled, 12) << low << " to " << high;
-  }
-  EXPECT_GT(checked, 5000);
-}
-
-TEST(LabelPlaces, NoLabelCoversAnotherOrLeavesTheArea) {
-  Random random(20263);
-  const PixelBox area{0.0, 0.0, 300.0, 200.0};
-  for (int i = 0; i < 200; ++i) {
-    LabelPlaces places(area);
-    const PixelBox point = PixelBox::about(150.0, 100.0, 6.0, 6.0);
-    places.block(point);
-    std::vector<PixelBox> taken = {point};
-    for (int label = 0; label < 30; ++label) {
-      const auto box = places.take_beside(random.uniform(0.0, 300.0), random.uniform(0.0, 200.0),
-                                          random.uniform(10.0, 90.0), 14.0, 9.0, true);
-      if (!box) continue;
-      EXPECT_TRUE(box->is_within(area));
-      for (const PixelBox& other : taken) EXPECT_FALSE(box->overlaps(other));
-      taken.push_back(*box);
-    }
-    EXPECT_GT(taken.size(), 3u);
-  }
-}
-
-// Units
-
-TEST(HumanUnits, AreReadable) {
-  EXPECT_EQ(human(134.0, "ns"), "134 ns");
-  EXPECT_EQ(human(1340.0, "ns"), "1.34 µs");
-  EXPECT_EQ(human(1.3e-6, "m"), "1.3 µm");
-  EXPECT_EQ(human(0.025, "m"), "25 mm");
-  EXPECT_EQ(human(3.2e-9, "m"), "3.2 nm");
-  EXPECT_EQ(human(1e-15, "m"), "1e-15 m");
-  EXPECT_EQ(human(1500.0, "m"), "1500 m");
-  EXPECT_EQ(human(0.9999e-6, "s"), "1 µs");
-  EXPECT_EQ(human(2500.0, "us"), "2.5 ms");
-  EXPECT_EQ(human(0.012, "N"), "12 mN");
-  EXPECT_EQ(human(2000.0, "Hz"), "2 kHz");
-  EXPECT_EQ(human(0.3, "m/s"), "300 mm/s");
-  EXPECT_EQ(human(12.345, "deg"), "12.3 deg");
-  EXPECT_EQ(human(0.5, ""), "0.5");
-  EXPECT_EQ(human(0.0, "m"), "0");
-  EXPECT_EQ(short_number(123456.0), "123456");
-  EXPECT_EQ(short_number(1.2e7), "1.2e7");
-  EXPECT_EQ(short_number(-0.000012), "-1.2e-5");
-}
-
-// Page
-
-TEST_F(AllSamples, EveryIdOnThePageIsUniqueAndEveryReferenceResolves) {
-  static const std::regex kId("\\sid=[\"']([^\"']*)[\"']");
-  std::set<std::string> ids;
-  for (std::sregex_iterator i(html().begin(), html().end(), kId), end; i != end; ++i) {
-    EXPECT_TRUE(ids.insert((*i)[1]).second) << (*i)[1];
-  }
-  EXPECT_GT(ids.size(), 20 * results().size());
-  for (const std::string& figure : figures_of(html())) {
-    const Xml xml(figure);
-    EXPECT_EQ(xml.problem(), "");
-    EXPECT_FALSE(xml.references().empty());
-    for (const std::string& reference : xml.references()) {
-      ASSERT_EQ(reference.front(), '#');
-      EXPECT_TRUE(std::count(xml.ids().begin(), xml.ids().end(), reference.substr(1)) == 1)
-          << reference;
-    }
-  }
-}
-
-TEST_F(AllSamples, ThePageShowsAPairOfDiagramsForEachKnob) {
-  const std::vector<std::string> figures = figures_of(html());
-  ASSERT_EQ(figures.size(), 2 * results().size());
-  for (const std::string& figure : figures) {
-    EXPECT_TRUE(contains(figure, "role=\"img\" aria-label=\""));
-    EXPECT_EQ(Xml(figure).count("title"), 1);
-    expect_finite(figure);
-  }
-}
-
-TEST_F(AllSamples, ThePageListsEveryLevelThatFailed) {
-  int failed = 0;
-  for (const KnobResult& result : results()) {
-    for (const MethodResult& method : result.methods) {
-      for (const LevelResult& level : method.levels) {
-        if (level.counts()) continue;
-        ++failed;
-        const std::string item = html_escaped(method.name + ", " + level.label) + ": " +
-                                 std::to_string(level.failures) + " of 21 repeats, " +
-                                 html_escaped(level.failure);
-        EXPECT_TRUE(contains(html(), item)) << item;
-      }
-    }
-  }
-  EXPECT_EQ(failed, 5);
-  EXPECT_TRUE(contains(html(), "preset fast: 21 of 21 repeats, leaked: passed a surface"));
-}
-
-TEST_F(AllSamples, ThePageLoadsNoOtherFile) {
-  std::string text = html();
-  for (const char* name : {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}) {
-    for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name)) {
-      text.erase(at, std::string(name).size());
-    }
-  }
-  for (const char* word : {"http:", "https:", "//www", "<script", "<iframe", "<img", "@import",
-                           "src=", "javascript:", "<?xml"}) {
-    EXPECT_FALSE(contains(text, word)) << word;
-  }
-  EXPECT_TRUE(contains(text, "<meta charset=\"utf-8\">"));
-  EXPECT_TRUE(contains(text, "name=\"viewport\""));
-}
-
-TEST_F(AllSamples, NamesOnThePageAreEscaped) {
-  EXPECT_FALSE(contains(html(), "<script"));
-  EXPECT_FALSE(contains(html(), "\xff"));
-  EXPECT_TRUE(contains(html(), "&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;quotes&quot;"));
-  EXPECT_TRUE(contains(html(), "What accuracy &lt;costs&gt;"));
-  EXPECT_TRUE(contains(html(), "<dd>a &amp; b</dd>"));
-}
-
-TEST_F(AllSamples, ThePageStatesWhyADefaultIsNotOnTheFront) {
-  const KnobResult& mesh = results()[0];
-  ASSERT_FALSE(mesh.default_is_on_front());
-  EXPECT_TRUE(contains(html(), "not on the front: " + html_escaped(mesh.better_than_default)));
-  EXPECT_TRUE(contains(html(), "Why it is the default: " + mesh.knob.default_because));
-  EXPECT_TRUE(contains(html(), "It is the quickest with an error of at most 1 µm"));
-}
-
-TEST(AccuracyReport, FloorAndOrdersAreInTheTable) {
-  const std::string html = report_html(report_of({test::sample_integrator()}));
-  EXPECT_TRUE(contains(html, "explicit Euler, order 1.00 (theory 1), floor 1e-15 m"));
-  EXPECT_TRUE(contains(html, "<span class=\"mark floor\">floor</span>"));
-  EXPECT_TRUE(contains(html, "<strong>Floor:</strong> Round-off"));
-  EXPECT_TRUE(contains(html, "Open points are at the floor."));
-}
-
-TEST(AccuracyReport, ASectionOfTheCallerIsInsertedUnchanged) {
-  AccuracyReport report;
-  report.title = "t";
-  report.sections.push_back({"Your <scene>", "<p id=\"mine\">x</p>"});
-  const std::string html = report_html(report);
-  EXPECT_TRUE(contains(html, "<h2>Your &lt;scene&gt;</h2>"));
-  EXPECT_TRUE(contains(html, "<p id=\"mine\">x</p>"));
+TEST(AccuracyJson, HasNoControlCharacterAndNoBrokenCharacter) {
+  const std::string text = json_text({test::sample_hostile("true")});
+  EXPECT_FALSE(contains(text, "\xff"));
+  EXPECT_FALSE(contains(text, "\\n"));
+  EXPECT_TRUE(contains(text, "<script>alert(1)</script> & \\\"quotes\\\", 'single' commas"));
 }
 
 }  // namespace

@@ -82,6 +82,32 @@ TEST(Recommendation, TheDefaultLosesWhereALevelDiffersBeyondTheSpread) {
       << "the spread hides the difference";
 }
 
+TEST(Recommendation, WhiskersWiderThanTheEffectRecommendNothing) {
+  // The default errs by more than enough, but its quartiles overlap those of the other level.
+  const KnobResult hidden = knob_with({{100, 12e-6, 0.3}, {150, 8e-6, 0.3}}, 0, 1e-5);
+  EXPECT_FALSE(hidden.recommended.has_value());
+  EXPECT_EQ(hidden.undecided, (LevelPlace{0, 1}));
+  for (const KnobResult& seen : {knob_with({{100, 12e-6, 0.1}, {150, 8e-6, 0.1}}, 0, 1e-5),
+                                 knob_with({{200, 12e-6, 0.3}, {100, 8e-6, 0.3}}, 0, 1e-5)}) {
+    EXPECT_EQ(recommended_level(seen), 1u) << "the effect on the error, or on the time, is larger";
+    EXPECT_FALSE(seen.undecided.has_value());
+  }
+  const KnobResult usual = knob_with({{100, 12e-6, 0.3}, {150, 8e-6, 0.3}}, 1, 1e-5);
+  EXPECT_EQ(recommended_level(usual), 1u) << "the default needs no effect";
+  KnobResult failed = hidden;
+  failed.methods[0].levels[0].failures = 1;
+  judge(failed);
+  EXPECT_EQ(recommended_level(failed), 1u) << "instead of a default that fails";
+  EXPECT_FALSE(failed.undecided.has_value());
+}
+
+TEST(Recommendation, QuartilesThatTouchDoNotLieBelow) {
+  EXPECT_TRUE(is_below({1, 2, 3}, {3.1, 4, 5}));
+  EXPECT_FALSE(is_below({1, 2, 3}, {3, 4, 5}));
+  EXPECT_FALSE(is_below({3.1, 4, 5}, {1, 2, 3}));
+  EXPECT_FALSE(is_below({0, 0, 0}, {0, 0, 0}));
+}
+
 TEST(Recommendation, OfTiesWithoutTheDefaultTheNearestToItWins) {
   // The default is too coarse; levels 2 to 4 are alike.
   const std::vector<Figures> levels{{100, 1e-3}, {100, 1e-4}, {100, 1e-6}, {102, 1e-6}, {99, 1e-6}};
@@ -115,7 +141,9 @@ TEST(Recommendation, ADefaultWithTenTimesTheErrorIsNotRecommended) {
   for (int trial = 0; trial < 2000; ++trial) {
     const std::vector<Figures> levels = random_ladder(random);
     const double enough = std::pow(10.0, random.uniform(-5.0, 1.0));
-    const std::size_t best = recommended_level(knob_with(levels, 0, enough));
+    const KnobResult judged = knob_with(levels, 0, enough);
+    if (judged.undecided) continue;  // levels 0 and 1 of a flat ladder
+    const std::size_t best = recommended_level(judged);
     for (std::size_t worse = 0; worse < levels.size(); ++worse) {
       if (levels[worse].error < 10.0 * levels[best].error) continue;
       ++checked;
@@ -203,6 +231,11 @@ TEST(Recommendation, AKnobThatMeasuresAPartFollowsTheDecidingKnob) {
   EXPECT_EQ(recommended_level(results[0]), 1u);
   EXPECT_EQ(results[0].decided_by_title, "Noise and lag");
   EXPECT_EQ(recommended_level(results[1]), 1u);
+  // Also where the deciding knob recommends nothing.
+  results[1].undecided = std::exchange(results[1].recommended, std::nullopt);
+  reconcile(results);
+  EXPECT_FALSE(results[0].recommended.has_value());
+  EXPECT_EQ(results[0].undecided, (LevelPlace{0, 1}));
   // Without the deciding knob, or with other levels, the recommendation stays.
   results = {noise};
   reconcile(results);

@@ -21,10 +21,13 @@ from browser import measured_in_frames, open_page, parse_options, run_test
 CUT_PX = 1.0  # how far the box of a text may reach out of its diagram
 
 # For every frame: [width, width of the content, diagrams as [width, height, texts that are cut], verdicts
-# that reach beyond the frame, whether the advice is first and the facts are last].
+# that reach beyond the frame, whether the advice is first and the facts are last, whether all chapters were
+# folded].
 MEASURE = """
 function measure_frame(frame) {
   const page = frame.contentDocument;
+  const isFolded = [...page.querySelectorAll('details')].every(part => !part.open);
+  page.querySelectorAll('details').forEach(part => { part.open = true; });
   const diagrams = [...page.querySelectorAll('.work-precision svg')].map(svg => {
     const box = svg.getBoundingClientRect();
     const cut = [...svg.querySelectorAll('text')].filter(text => {
@@ -38,7 +41,7 @@ function measure_frame(frame) {
       cell => cell.getBoundingClientRect().right > frame.clientWidth).map(cell => cell.textContent);
   const sections = [...page.querySelectorAll('main > section')];
   const inOrder = sections[0].id === 'advice' && sections.at(-1).id === 'facts';
-  return [frame.clientWidth, page.documentElement.scrollWidth, diagrams, beyond, inOrder];
+  return [frame.clientWidth, page.documentElement.scrollWidth, diagrams, beyond, inOrder, isFolded];
 }
 """
 
@@ -51,13 +54,15 @@ def problems_of(browser, page, folder):
     expected = len(re.findall(r'<figure class="work-precision"', document))
     if expected == 0:
         problems.append("no diagram on the page")
-    for width, content_width, diagrams, beyond, in_order in measured_in_frames(
+    for width, content_width, diagrams, beyond, in_order, is_folded in measured_in_frames(
             browser, page, folder, MEASURE.replace("CUT", str(CUT_PX))):
         if len(diagrams) != 2 * expected:
             problems.append(f"{width} px: {len(diagrams)} diagrams, {expected} pairs expected")
         if content_width > width:
             problems.append(f"{width} px: the page is {content_width} px wide")
         problems += [f"{width} px: beyond the frame: {text}" for text in beyond]
+        if not is_folded:
+            problems.append(f"{width} px: a chapter is open before a reader opens it")
         if not in_order:
             problems.append(f"{width} px: the advice is not first, or the facts are not last")
         for i, (diagram_width, height, cut) in enumerate(diagrams):

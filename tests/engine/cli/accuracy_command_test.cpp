@@ -10,6 +10,7 @@
 
 #include "tests/engine/cli/command_line_fixture.h"
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/environment_variable.h"
 
 namespace palpate {
 namespace {
@@ -36,7 +37,34 @@ TEST_F(CommandLine, AccuracyWritesAPageATableAndADiagramPerKnob) {
   const std::vector<std::string> rows = lines_of(content_of(folder.path("it's/raw.csv")));
   ASSERT_GT(rows.size(), 20u);
   EXPECT_EQ(rows.front().rfind("knob,method,level,", 0), 0u);
+  EXPECT_EQ(
+      content_of(folder.path("it's/accuracy.json")).find("{\n \"format\": \"palpate-accuracy-1\""),
+      0u);
   EXPECT_EQ(done.err, "") << "no progress bar where there is no terminal";
+}
+
+TEST_F(CommandLine, AccuracyMeasuresWithoutPython) {
+  const std::vector<std::string> command{"accuracy", "--quick", "--knob",
+                                         "a4_step",  "--out",   "new"};
+  std::filesystem::create_directory(folder.path("new"));
+  for (const char* name : {"new/report.html", "new/a4_step.svg", "new/mine.txt"}) {
+    folder.write(name, "older");
+  }
+  const test::EnvironmentVariable none("PALPATE_PYTHON", "/nowhere/python3");
+  const Outcome done = call(command);
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("Velocity window"), std::string::npos) << "the answer";
+  EXPECT_NE(done.out.find("accuracy.json are in new/"), std::string::npos) << done.out;
+  EXPECT_EQ(done.out.find("report.html"), std::string::npos) << done.out;
+  const std::vector<std::string> lines = lines_of(done.err);
+  ASSERT_EQ(lines.size(), 1u) << done.err;
+  EXPECT_NE(lines[0].find("the page is missing: /nowhere/python3"), std::string::npos) << done.err;
+  for (const char* name : {"accuracy.json", "raw.csv", "stiffness_zones.csv", "stiffness.svg"}) {
+    EXPECT_NE(content_of(folder.path(std::string("new/") + name)), "") << name;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path("new/report.html"))) << "of an older run";
+  EXPECT_FALSE(std::filesystem::exists(folder.path("new/a4_step.svg"))) << "of an older run";
+  EXPECT_EQ(content_of(folder.path("new/mine.txt")), "older");
 }
 
 TEST_F(CommandLine, AccuracyReportsOnAScene) {

@@ -1,8 +1,10 @@
 // `palpate compare` as a user or a script runs it.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/engine/cli/run_program.h"
+#include "tests/helpers/environment_variable.h"
 #include "tests/helpers/gltf_builder.h"
 
 namespace palpate {
@@ -45,6 +48,39 @@ class CompareCommandTest : public testing::Test {
     EXPECT_FALSE(fs::exists(folder.path("compare")));
   }
 
+  // The means of a document, by measure and strategy. One without a value is NaN.
+  static std::map<std::string, double> means_in(const std::string& json) {
+    std::map<std::string, double> means;
+    const Json parsed = Json::parse(json);
+    for (const Json& row : parsed["means"]) {
+      std::string key;
+      for (const char* const name :
+           {"following", "scene", "measure", "column", "unit", "better", "strategy", "role"}) {
+        key += row[name].get<std::string>() + ",";
+      }
+      means[key + row["hands"].dump()] =
+          row["mean"].is_null() ? std::nan("") : row["mean"].get<double>();
+    }
+    return means;
+  }
+  // Expects the same in means.csv, to the ten digits of a document.
+  void expect_measured(const std::map<std::string, double>& means) const {
+    std::istringstream lines(content_of(folder.path("compare/means.csv")));
+    std::string line;
+    std::getline(lines, line);
+    std::size_t count = 0;
+    for (; std::getline(lines, line); ++count) {
+      const std::size_t last = line.rfind(',');
+      const auto found = means.find(line.substr(0, last));
+      ASSERT_NE(found, means.end()) << line;
+      const std::string mean = line.substr(last + 1);
+      EXPECT_EQ(mean.empty(), std::isnan(found->second)) << line;
+      if (mean.empty()) continue;
+      EXPECT_NEAR(std::stod(mean), found->second, 1e-9 * std::abs(found->second)) << line;
+    }
+    EXPECT_EQ(count, means.size());
+  }
+
   TemporaryFolder folder;
 };
 
@@ -70,7 +106,8 @@ TEST_F(CompareCommandTest, RefusesBadListsAndValuesInOneLine) {
                  {"--strategies: has a name that is \"a5\"; expected one of none, mask"});
   expect_refused(with({"--strategies", "mask,mask"}), {"--strategies: has mask twice"});
   expect_refused(with({"--strategies", "anisotropic:0.01"}), {"--strategies", "0.0625 to 16"});
-  expect_refused(with({"--strategies", "anisotropic:2,anisotropic"}), {"--strategies: has both"});
+  expect_refused(with({"--strategies", "anisotropic:2,anisotropic"}),
+                 {"--strategies: has anisotropic:2 twice", "six E"});
   expect_refused(with({"--strategies", "anisotropic:2", "--radius", "0.002"}),
                  {"--strategies: anisotropic:2 is refused for object star"});
   for (const char* const hands : {"1", "0", "-2", "10001", "2.5", "ten"}) {
@@ -98,7 +135,7 @@ TEST_F(CompareCommandTest, WritesAReportOfTheTrials) {
   EXPECT_NE(o.out.find("contact angle, deg"), std::string::npos) << o.out;
   for (const char* const name :
        {"plan.json", "report.html", "comparison.json", "means.csv", "strategies.csv",
-        "a4_losses.csv", "tuning.csv", "trials/trials.csv", "trials/run.json"}) {
+        "comparison.csv", "a4_losses.csv", "trials/trials.csv", "trials/run.json"}) {
     EXPECT_TRUE(fs::exists(folder.path(std::string("compare/") + name))) << name;
   }
   // The plan that was written gives the same trials.
@@ -112,6 +149,7 @@ TEST_F(CompareCommandTest, WritesAReportOfTheTrials) {
   EXPECT_NE(analyse.err.find("again/trials.csv: column strategy: is "), std::string::npos)
       << analyse.err;
   EXPECT_NE(analyse.err.find("palpate compare"), std::string::npos) << analyse.err;
+  EXPECT_FALSE(fs::exists(folder.path("analysis")));
   // A second call computes nothing, and prints the same as JSON.
   const std::string json = content_of(folder.path("compare/comparison.json"));
   const test::Outcome printed =
@@ -119,6 +157,7 @@ TEST_F(CompareCommandTest, WritesAReportOfTheTrials) {
   EXPECT_EQ(printed.exit_code, 0) << printed.err;
   EXPECT_EQ(printed.out, json);
   EXPECT_EQ(Json::parse(printed.out)["comparable"]["delayed"], true);
+  expect_measured(means_in(json));
 }
 
 // A person who hardly moves does not arrive within the limit.
@@ -133,6 +172,18 @@ TEST_F(CompareCommandTest, EndsWithThreeAndWritesAllTheSameIfTrialsAreNotComplet
             std::string::npos)
       << o.out;
   EXPECT_TRUE(fs::exists(folder.path("compare/report.html")));
+}
+
+TEST_F(CompareCommandTest, PrintsTheMeansAsJsonWithoutPython) {
+  const test::EnvironmentVariable python("PALPATE_PYTHON", "/nowhere/python3");
+  const test::Outcome o = call({"--hands", "2", "--strategies", "mask", "--json"});
+  EXPECT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_TRUE(o.err.starts_with("palpate: warning: the page is missing: /nowhere/python3"))
+      << o.err;
+  const Json json = Json::parse(o.out);
+  EXPECT_EQ(json["strategies"][0]["trials"], 2);
+  expect_measured(means_in(o.out));
+  EXPECT_FALSE(fs::exists(folder.path("compare/report.html")));
 }
 
 TEST_F(CompareCommandTest, ShardsInOneFolderAreOneComparison) {

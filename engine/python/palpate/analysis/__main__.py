@@ -23,7 +23,15 @@ COMMANDS = {
     "canonical": "palpate.analysis.canonical.command",
     "strategies": "palpate.analysis.strategies.command",
     "accuracy": "palpate.analysis.accuracy.command",
+    "results": "palpate.analysis.results.command",
 }
+
+
+def _write(path: pathlib.Path, text: str) -> None:
+    try:
+        path.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(path.name, "", f"cannot be written: {error.strerror}") from error
 
 
 def main(words: Sequence[str]) -> int:
@@ -39,7 +47,7 @@ def main(words: Sequence[str]) -> int:
     try:
         report = command.run(arguments)
         for file, text in report.files.items():
-            (arguments.out / file).write_text(text, encoding="utf-8", newline="\n")
+            _write(arguments.out / file, text)
     except InputError as error:
         print(f"palpate: {error}", file=sys.stderr)
         return 2

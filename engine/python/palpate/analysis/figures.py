@@ -1,8 +1,8 @@
 """One style of figures, and their SVG.
 
 A figure is a function of a table: it gets a DataFrame and returns a matplotlib `Figure` that
-`new_figure()` made. The ink (axes, texts) is `currentColor`, so that a figure is legible on light and
-dark ground; data have colours that are told apart by most people with colour-blindness (Okabe and
+`new_figure()` made. The ink (axes, texts) is `currentColor`, so that a figure is legible on light
+and dark ground; data have colours that are told apart by most people with colour-blindness (Okabe and
 Ito 2008) and that have contrast on both grounds.
 """
 
@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib
 from markupsafe import Markup, escape
+from matplotlib import rcsetup
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
@@ -23,7 +25,7 @@ from palpate.analysis.errors import printable
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")  # so that a series is not told by its colour alone
 INK = "#0a0b0c"  # becomes currentColor
-GRID = "#8080804d"  # a grey that is faint on both grounds
+GRID, GRID_ALPHA = "#808080", 0.3  # a grey that is faint on both grounds
 
 _STYLE = {
     "axes.edgecolor": INK,
@@ -32,7 +34,7 @@ _STYLE = {
     "axes.labelcolor": INK,
     "axes.labelsize": 10,
     "axes.linewidth": 0.8,
-    "axes.prop_cycle": matplotlib.cycler(color=COLOURS),
+    "axes.prop_cycle": rcsetup.cycler(color=COLOURS),
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlecolor": INK,
@@ -43,6 +45,7 @@ _STYLE = {
     "figure.facecolor": "none",
     "font.family": ["DejaVu Sans"],
     "font.size": 10,
+    "grid.alpha": GRID_ALPHA,
     "grid.color": GRID,
     "grid.linewidth": 0.6,
     "legend.fontsize": 9,
@@ -95,13 +98,38 @@ def svg(figure: Figure, name: str, title: str) -> Markup:
     size = re.search(r'width="([\d.]+)pt" ', head)
     head = re.sub(r'\s(width|height|version)="[^"]*"', "", head)
     width = f' style="width:{float(size[1]):.0f}px"' if size else ""
-    return Markup(f'{head} role="img" aria-label="{label}"{width}>\n<title>{label}</title>{rest.strip()}')
+    return Markup(f'{head} role="img" aria-label="{label}"{width}>\n<title>{label}</title>'
+                  f"{rest.strip()}")
+
+
+_GROUNDS = ("<style>.picture{color-scheme:light dark;color:#1d2329}.ground{fill:#fff}"
+            "@media (prefers-color-scheme:dark){.picture{color:#e4e8ec}.ground{fill:#14181d}}</style>")
+
+
+def size(element: str) -> tuple[float, float]:
+    """Width and height of an element that svg() returned, px."""
+    box = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', element)
+    assert box is not None
+    return float(box[1]), float(box[2])
+
+
+def placed(element: str, x: float, y: float) -> str:
+    """An element that svg() returned, with this upper left corner in a document()."""
+    width, height = size(element)
+    where = f'<svg x="{x:g}" y="{y:g}" width="{width:g}" height="{height:g}"'
+    return re.sub(r'^<svg((?: [^>]*?)?) style="[^"]*"', rf"{where}\1", str(element), count=1)
+
+
+def document(width: float, height: float, title: str, parts: Sequence[str]) -> str:
+    """A picture of its own (px), with a light or dark ground as the reader prefers."""
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+            f'class="picture" width="{width:g}" height="{height:g}" '
+            f'viewBox="0 0 {width:g} {height:g}">\n<title>{escape(printable(title))}</title>\n'
+            f'{_GROUNDS}\n<rect class="ground" width="100%" height="100%" fill="#fff"/>\n'
+            + "\n".join(parts) + "\n</svg>\n")
 
 
 def svg_file(figure: Figure, title: str) -> str:
-    """Return the figure as a document of its own, which follows the reader's light or dark ground."""
-    text = str(svg(figure, "figure", title))
-    style = ("<style>svg{color:#1d2329}@media (prefers-color-scheme:dark){svg{color:#e4e8ec}}"
-             "</style>")
-    head, _, rest = text.partition("</title>")
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{head}</title>\n{style}{rest}\n'
+    """Return the figure as a document of its own."""
+    element = svg(figure, "figure", title)
+    return document(*size(element), title, [placed(element, 0.0, 0.0)])

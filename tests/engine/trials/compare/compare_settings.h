@@ -25,7 +25,7 @@ inline CompareSettings settings_of(const std::string& strategies, int hands = 5)
   return *all;
 }
 
-inline const CompareSettings& tuned_settings() {
+inline const CompareSettings& nine_strategies() {
   static const CompareSettings settings = settings_of("none,mask,a4,anisotropic");
   return settings;
 }

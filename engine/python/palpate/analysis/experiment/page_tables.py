@@ -196,7 +196,7 @@ def pairs(primary: Primary) -> Table | None:
     """Paired t tests with Holm's adjustment; None without a pair."""
     rows: list[Row] = []
     decimals = primary.outcome.decimals + 1
-    for family, of_family in primary.pairs.groupby("family", sort=False):
+    for family, of_family in primary.pairs.groupby("family", sort=False, observed=True):
         rows.append(str(family))
         for pair in of_family.to_dict("records"):
             difference = interval(pair["difference"], pair["half_width"], decimals)

@@ -110,7 +110,7 @@ def _mean_of_those_there(grid: Array) -> Array:
 def _effects(values: Array, sizes: dict[str, int]) -> list[dict[str, object]]:
     if not sizes:
         return []
-    table = values.reshape(len(values), -1)
+    table: Array = values.reshape(len(values), -1)
     table = table[~np.isnan(table).any(axis=1)]
     rows: list[dict[str, object]] = [
         {"term": term, "participants": len(table)} for term in all_terms(list(sizes))
@@ -143,7 +143,7 @@ def _pairs(by_levels: Array, levels: dict[str, list[str]]) -> pd.DataFrame:
     columns = ["family", "pair", *PairedT.__dataclass_fields__, *sizes]
     values = [(family, pair, *astuple(test), *standardized(test)) for family, pair, test in rows]
     pairs = pd.DataFrame(values, columns=columns)
-    p_holm = [holm(group) for _, group in pairs.groupby("family", sort=False)["p"]]
+    p_holm = [holm(group) for _, group in pairs.groupby("family", sort=False, observed=True)["p"]]
     return pairs.assign(p_holm=np.concatenate([*p_holm, np.empty(0)]))
 
 

@@ -62,7 +62,7 @@ def tables_of(analysis: ExperimentAnalysis) -> dict[str, pd.DataFrame]:
     tables = {}
     for (name, columns), maker in zip(COLUMNS.items(), makers):
         frames = [_of(each, maker(analysis, each)) for each in analysis.operators]
-        tables[name] = _shaped(pd.concat(frames), [*columns.split(), *VARIANT])
+        tables[name] = _shaped(_stacked(frames), [*columns.split(), *VARIANT])
     tables["differences"] = _shaped(_differences(analysis), DIFFERENCES.split())
     return tables
 
@@ -72,6 +72,12 @@ def rows_of(table: pd.DataFrame) -> list[dict[Hashable, Any]]:
     values = table.astype(object)
     records: list[dict[Hashable, Any]] = values.where(values.notna(), None).to_dict("records")
     return records
+
+
+def _stacked(frames: list[pd.DataFrame]) -> pd.DataFrame:
+    """The rows of all frames. Columns have no type, because one may have no value in a frame."""
+    filled = [frame.astype(object) for frame in frames if len(frame)]
+    return pd.concat(filled, ignore_index=True) if filled else pd.DataFrame(*frames[:1])
 
 
 def _shaped(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
@@ -98,7 +104,7 @@ def _effects(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
         names_of = {"epsilon": "gg_epsilon", "p_gg": "gg_p"}
         frame = primary.effects.rename(columns=names_of).assign(analysis=_kind(primary))
         frames.append(_with_papers_f(frame, primary.outcome, primary.only_haptic))
-    frame = pd.concat(frames) if frames else pd.DataFrame(columns=["term"])
+    frame = _stacked(frames or [pd.DataFrame(columns=["term"])])
     return frame.assign(effect=[effect_name(term) for term in frame["term"]])
 
 
@@ -139,7 +145,7 @@ def _comparisons(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
             }
         )
         frames.append(_with_outcome(frame.assign(analysis=kind), primary.outcome))
-    return pd.concat(frames) if frames else pd.DataFrame()
+    return _stacked(frames)
 
 
 def _with_outcome(frame: pd.DataFrame, outcome: Outcome) -> pd.DataFrame:
@@ -214,7 +220,7 @@ def _means(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
         frames.append(_with_outcome(frame, primary.outcome))
     if not frames:
         return pd.DataFrame()
-    frame = pd.concat(frames, ignore_index=True)
+    frame = _stacked(frames)
     levels = frame[["key", "Haptic", "Rotation", "Object"]].itertuples(index=False)
     papers = [paper_mean(experiment, *row) or (np.nan, np.nan) for row in levels]
     frame[["paper_mean", "paper_sd"]] = papers

@@ -1,0 +1,1 @@
+"""How many people an experiment needs: `palpate experiment power`."""

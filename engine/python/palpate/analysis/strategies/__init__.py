@@ -1,0 +1,1 @@
+"""Compares strategies for missing motors on the same hands and scenes: `palpate compare`."""
