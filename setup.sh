@@ -9,7 +9,7 @@ palpate_packages=(
   libcli11-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libpng-dev
   zlib1g-dev libspng-dev libturbojpeg0-dev libsqlite3-dev libzstd-dev
   libgtest-dev libboost-dev libbenchmark-dev libcgal-dev
-  gnuplot-nox python3 valgrind
+  python3 valgrind
   python3-numpy python3-scipy python3-pandas python3-statsmodels python3-matplotlib python3-jinja2  # pages
 )
 
