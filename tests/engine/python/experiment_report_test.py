@@ -26,7 +26,8 @@ from palpate.analysis.statistics import effect_name
 from sample_trials import SampleTrials, SeededRandom, sample_trials
 
 FILES = {"report.html", "analysis.json", "effects.csv", "comparisons.csv", "means.csv",
-         "missing_trials.csv", "findings.csv", "verdicts.csv", "differences.csv"}  # fmt: skip
+         "missing_trials.csv", "findings.csv", "verdicts.csv", "variances.csv", "loss_rates.csv",
+         "differences.csv"}  # fmt: skip
 SIMULATED = SampleTrials(followings=ALL_FOLLOWINGS, has_timeouts=True)
 DIGITS = 1e-9  # of numbers in files
 
@@ -97,6 +98,8 @@ def test_each_row_of_a_table_is_named_once(people, tmp_path):
         "missing_trials": ["following", "haptic", "rotation", "object"],
         "findings": ["following", "finding"],
         "verdicts": ["following", "finding", "comparison"],
+        "variances": ["following", "outcome"],
+        "loss_rates": ["following", "pair"],
     }
     two = written(sample_trials(SampleTrials(followings=("delayed", "frozen"))), tmp_path)
     for report in (people, two):

@@ -108,8 +108,9 @@ def test_the_answer_is_the_largest_number_of_its_effects(answers, case):
         assert answer["people"] is None and answer["tests"] == []
         assert answer_number(found) == "no number of people"
         return
-    of_models = corrected.fillna(found.most + 1).groupby(
-        ["error_from", "share_u", "share_w"], sort=False)["people_for_0.8"].max()
+    people = corrected["people_for_0.8"].astype(float).fillna(found.most + 1)
+    of_models = corrected.assign(people=people.astype(int)).groupby(
+        ["error_from", "share_u", "share_w"], sort=False)["people"].max()
     shown = [None if n > found.most else n for n in (of_models.min(), of_models.max())]
     assert answer["over_all_assumptions"] == shown
     assumption = answer["assumption"]

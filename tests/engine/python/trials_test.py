@@ -1,4 +1,5 @@
-"""Reading trials.csv: what is right is read to the bit, what is broken is refused in the line of the C++."""
+"""Reading trials.csv: what is right is read to the bit, what is broken is refused in the words of
+the C++."""
 
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ from palpate.analysis.trials import columns, measures
 
 # The lines of the C++ reader. The other ones are of the analysis: the table was read.
 OF_THE_READER = re.compile(r"palpate: trials\.csv: (line \d+|byte \d+|is empty|has no trial)\b")
-HEADER = ("participant,block,trial,haptic,rotation,object,attempt,status,total_time_s,losses_of_contact,"
-          "mean_penetration_dm\n")
+HEADER = ("participant,block,trial,haptic,rotation,object,attempt,status,total_time_s,"
+          "losses_of_contact,mean_penetration_dm\n")
 FIRST = "Ann,1,1,NoH,R,O1,1,done,25.5,21,0.031\n"
 TABLE = HEADER + FIRST + "Ann,1,2,H,R,O1,1,timeout,,,\n"
 
@@ -79,7 +80,8 @@ def test_quoted_fields_other_columns_and_missing_values() -> None:
 
 def test_every_number_is_read_to_the_bit() -> None:
     values = [(1.0 / 3.0 + i) * 2.0**-60 for i in range(len(measures()))]
-    names = ["participant", "block", "haptic", "rotation", "object", "status", "start_orientation_deg", "scale"]
+    names = ["participant", "block", "haptic", "rotation", "object", "status",
+             "start_orientation_deg", "scale"]
     text = ",".join([*names, *measures()]) + "\n7,0,UaH,NoR,O4,fault,-0.1," + f"{1 / 3:.17g},"
     row = read(text + ",".join(f"{value:.17g}" for value in values) + "\n").iloc[0]
     assert [row[name] for name in measures()] == values
@@ -90,14 +92,16 @@ def test_types_of_the_columns() -> None:
     frame = read(TABLE)
     kinds = {name: frame[name].dtype.kind for name in frame}
     assert {name for name, kind in kinds.items() if kind == "i"} == {"block", "trial", "attempt"}
-    numbers = {"total_time_s", "losses_of_contact", "mean_penetration_dm", "start_orientation_deg", "scale"}
+    numbers = {"total_time_s", "losses_of_contact", "mean_penetration_dm", "start_orientation_deg",
+               "scale"}
     assert {name for name, kind in kinds.items() if kind == "f"} == numbers
     assert kinds["participant"] == "O" and frame["strategy"].eq("").all()
 
 
 # An empty field of the last columns stands for what the paper did.
 def test_levels_of_a_plan() -> None:
-    names = "participant,block,haptic,rotation,object,status,view,align,start_orientation_deg,scale\n"
+    names = ("participant,block,haptic,rotation,object,status,view,align,start_orientation_deg,"
+             "scale\n")
     frame = read(names + "1,1,H,R,O1,done,,NA,,\n1,1,H,R,O1,done,still,forward,-144,0.5\n")
     levels = ["view", "align", "start_orientation_deg", "scale"]
     assert frame.loc[0, levels].to_list() == ["turning", "nearest", 0.0, 1.0]
@@ -120,7 +124,8 @@ def test_a_file_that_cannot_be_read_is_refused_by_name() -> None:
 
 def test_a_file_beyond_the_limits_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trials, "MOST_TRIALS", 1)
-    assert str(refusal(TABLE)) == "t.csv: line 3: is beyond the limit; expected at most 1 trials (divide the file)"
+    assert str(refusal(TABLE)) == ("t.csv: line 3: is beyond the limit; expected at most 1 trials "
+                                   "(divide the file)")
     monkeypatch.setattr(tables, "MOST_BYTES", 100)
     assert str(refusal(TABLE)).startswith("t.csv: is larger than 100 bytes")
 

@@ -120,6 +120,7 @@ class Column:
     unit: str
     is_required: bool
     values: str
+    meaning: str = ""
 
     @property
     def blanks(self) -> tuple[str, ...]:
@@ -174,7 +175,7 @@ def _number_reader(limits: str) -> Callable[[str], float]:
     def read(field: str) -> float:
         value = number_in(field)
         above = value is not None and (value > least if limits.startswith(">") else value >= least)
-        if value is None or math.isnan(value) or not above or value > most:
+        if value is None or not math.isfinite(value) or not above or value > most:
             raise ValueError(expected)
         return value
 
@@ -202,8 +203,8 @@ def _level_reader(names: Sequence[str]) -> Callable[[str], str]:
 def columns_in(text: str) -> list[Column]:
     """The columns that the text of a `columns.csv` lists."""
     rows = csv.DictReader(text.splitlines())
-    return [Column(row["name"], row["unit"], row["presence"] == "required", row["values"])
-            for row in rows]
+    return [Column(row["name"], row["unit"], row["presence"] == "required", row["values"],
+                   row["meaning"]) for row in rows]
 
 
 def field_error(line: int, column: str, found: str, expected: str, hint: str = "") -> InputError:

@@ -153,6 +153,10 @@ def _operator(each: OperatorAnalysis, warnings: list[str]) -> dict[str, Any]:
             for outcome, pairs in (each.paper.plsd.items() if each.paper else ())
         ],
         "manova": page_tables.manova(each),
+        "variances": page_tables.variances(each),
+        "loss_rates": page_tables.loss_rates(each),
+        "dispersion": number_or_dash(each.loss_rates.dispersion) if each.loss_rates else "",
+        "loss_trials": each.loss_rates.trials if each.loss_rates else 0,
         "missing_trials": page_tables.missing(experiment),
     }
 

@@ -195,7 +195,7 @@ def _settings(study: Study) -> dict[str, Any]:
         "measure": request.measure,
         "unit": study.measure.outcome.unit,
         "effects_from": "--effect" if request.effect else "paper",
-        "effects": dict(zip(study.measure.design.conditions, study.means.tolist())),
+        "effects": dict(zip(study.measure.design.conditions, map(float, study.means))),
         "error_sd": request.error,
         "share_u": request.share_u,
         "share_w": request.share_w,
@@ -230,7 +230,7 @@ def _pilot(study: Study) -> dict[str, Any] | None:
         "degrees_of_freedom": pilot.df,
         "estimates": pilot.raw,
         "variances": pilot.variances,
-        "means": dict(zip(study.measure.design.conditions, pilot.means.tolist())),
+        "means": dict(zip(study.measure.design.conditions, map(float, pilot.means))),
         "fit": {
             "f": pilot.f,
             "p_below": pilot.p_below,
