@@ -169,6 +169,7 @@ def test_ended_while_the_page_is_made(commands):
     jobs = {name: (words, ["report.html", "notes.txt"]) for name, words in
             commands.page_only.items()}
     jobs["canonical"] = (commands.measuring["canonical"][0], ["canonical.html", "canonical.csv"])
+    jobs["compare"] = (commands.measuring["compare"][0], ["report.html", "comparison.json", "means.csv"])
     for name, (words, old) in jobs.items():
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
             what = f"{name}, {number.name}"
