@@ -181,7 +181,8 @@ def test_ended_while_the_page_is_made(commands):
                 env={**os.environ, "PALPATE_PYTHON": str(slow)}, start_new_session=True,
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             wait_for(lambda: pid.exists() or process.poll() is not None, f"{what}: the page")
-            check(pid.exists(), f"{what}: ended before: {process.communicate()}")
+            if not pid.exists():
+                raise Failure(f"{what}: ended before: {process.communicate()}")
             page = int(pid.read_text())
             os.killpg(process.pid, number) if number != signal.SIGKILL else process.kill()
             _, err = process.communicate(timeout=PATIENCE_S)
