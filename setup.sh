@@ -9,8 +9,11 @@ palpate_packages=(
   libcli11-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libpng-dev
   zlib1g-dev libspng-dev libturbojpeg0-dev libsqlite3-dev libzstd-dev
   libgtest-dev libboost-dev libbenchmark-dev libcgal-dev
-  gnuplot-nox python3 valgrind
+  python3 valgrind
+  python3-numpy python3-scipy python3-pandas python3-statsmodels python3-matplotlib python3-jinja2  # pages
 )
+
+palpate_python_test_packages=(python3-pytest mypy)  # for the tests of engine/python
 
 palpate_clang_packages=(clang libclang-rt-dev)  # only for the preset asan
 palpate_fuzz_targets=(fuzz_gltf fuzz_hapi_link fuzz_page fuzz_recording make_fuzz_seeds)
@@ -19,7 +22,7 @@ palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens
 
 palpate_site_packages=(python3-sphinx python3-myst-parser furo)  # for docs/build.sh and its tests
 
-palpate_format_packages=(python3-numpy python3-zstandard python3-yaml)  # for FORMAT.md, CITATION.cff
+palpate_format_packages=(python3-zstandard python3-yaml)  # for FORMAT.md, CITATION.cff
 
 say() { printf 'palpate: %s\n' "$*" >&2; }
 

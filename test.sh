@@ -85,7 +85,7 @@ case $preset in
     set -- -L ' rt$' "$@"
     ;;
   *)
-    install_missing_packages
+    install_missing_packages "${palpate_python_test_packages[@]}"
     build_preset "$preset"
     if [ -z "$selects" ]; then
       leaves_out_soak=1

@@ -5,13 +5,9 @@ Counters of a row: error, error_low, error_high, time, time_low, time_high (medi
 level; optionally is_default and failures. Rows of a method are ordered from coarse to fine.
 """
 
-import hashlib
 import math
 import re
-import subprocess
 from typing import NamedTuple
-
-import svg
 
 PREFIX = "accuracy_"
 COUNTERS = ("error", "error_low", "error_high", "time", "time_low", "time_high", "level")
@@ -162,151 +158,11 @@ def table(rows):
 
 # Figure
 
-# Okabe and Ito's colours, and gnuplot's filled points.
-COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
-POINTS = [7, 5, 9, 11, 13, 15]
-COLUMNS = 2
-PANEL_WIDTH, PLOT_HEIGHT, FONT_PX = 400, 250, 14
-LEFT, RIGHT, TOP, LEGEND_GAP, LEGEND_ROW, BOTTOM = 78, 14, 42, 62, 22, 14
-LEAST_DECADES = 0.2
-WHISKER_BEYOND = 1.5  # decades
-MARGIN = 0.08  # of the span
-ZERO_BELOW = 0.15
-
-
-class Axis:
-    """Positions are log10 of a value; 0 is below all others."""
-
-    def __init__(self, rows, counter, unit):
-        values = [row[counter] for row in rows]
-        logs = [math.log10(v) for v in values if v > 0] or [0.0]
-        factor, self.unit = display_unit(10 ** max(logs), unit)
-        self.shift = math.log10(factor)
-        whiskers = [math.log10(row[counter + end]) for row in rows for end in ("_low", "_high")
-                    if row[counter + end] > 0]
-        first = max(min(logs) - WHISKER_BEYOND, min(logs + whiskers))
-        last = min(max(logs) + WHISKER_BEYOND, max(logs + whiskers))
-        lacking = max(0.0, LEAST_DECADES - (last - first)) / 2
-        first, last = first - lacking, last + lacking
-        margin = MARGIN * (last - first)
-        self.first, self.last = first - margin, last + margin
-        self.marks = self.ticks() if any(v > 0 for v in values) else []
-        self.zero = None
-        if any(v <= 0 for v in values):
-            self.zero = self.first - ZERO_BELOW * (self.last - self.first)
-            self.first = self.zero - margin
-            self.marks.append((self.zero, "0"))
-
-    def at(self, value):
-        if value <= 0:
-            return self.first if self.zero is None else self.zero
-        return min(max(math.log10(value), self.first), self.last)
-
-    def ticks(self):
-        first, last = self.first + self.shift, self.last + self.shift
-        powers = range(math.floor(first), math.floor(last) + 1)
-        if last - first > 2.5:
-            stride = math.ceil((last - first) / 6)
-            values = [10.0 ** p for p in powers if p % stride == 0]
-        elif last - first > 0.8:
-            values = [d * 10.0 ** p for p in powers for d in (1, 2, 5)]
-        else:
-            rough = (10 ** last - 10 ** first) / 4
-            power = 10.0 ** math.floor(math.log10(rough))
-            step = next(d * power for d in (1, 2, 5, 10) if d * power >= rough)
-            values = [n * step for n in range(1, math.floor(10 ** last / step) + 1)]
-        return [(math.log10(v) - self.shift, number(v)) for v in values
-                if first <= math.log10(v) <= last]
-
-    def set(self, letter):
-        marks = ", ".join(f"{quoted(text)} {at:.6g}" for at, text in self.marks)
-        return f"set {letter}range [{self.first:.6g}:{self.last:.6g}]\nset {letter}tics ({marks})\n"
-
-
-def quoted(text):
-    """A string of gnuplot's language; characters with a meaning in it are written as octal."""
-    escaped = re.sub("[\\\\\"'`@]", lambda m: f"\\{ord(m[0]):03o}", text)
-    return f'"{escaped}"'
-
-
-def block(name, lines):
-    return f"${name} << EOD\n" + "".join(
-        " ".join(f"{x:.6g}" for x in line) + "\n" for line in lines) + "EOD\n"
-
-
-def title_with_unit(name, unit):
-    return quoted(f"{name} ({unit})" if unit else name)
-
-
-def panel(index, name, methods, frame):
-    knob = KNOBS[name]
-    all_rows = [row for levels in methods.values() for _, row in levels]
-    x = Axis(all_rows, "time", knob.time_unit)
-    y = Axis(all_rows, "error", knob.error_unit)
-    text = (frame + x.set("x") + y.set("y") + f"set title {quoted(knob.title)} offset 0,-0.4\n"
-            f"set xlabel {title_with_unit(knob.time, x.unit)} offset 0,0.4\n"
-            f"set ylabel {title_with_unit(knob.error, y.unit)} offset 1,0\n")
-    plots = ["NaN notitle"]
-    for m, (method, levels) in enumerate(methods.items()):
-        style = f"pt {POINTS[m % 6]} ps 0.8 lc rgb '{COLOURS[m % 6]}'"
-        text += block(f"d{index}_{m}", [
-            (x.at(row["time"]), y.at(row["error"]), x.at(row["time_low"]), x.at(row["time_high"]),
-             y.at(row["error_low"]), y.at(row["error_high"])) for _, row in levels])
-        plots += [f"$d{index}_{m} with xyerrorbars pt 0 ps 0 lc rgb '{COLOURS[m % 6]}' notitle",
-                  f"$d{index}_{m} with linespoints lw 2 {style} title "
-                  f"{quoted(method.replace('-', ' '))}"]
-    usual = [(x.at(row["time"]), y.at(row["error"])) for row in all_rows if row.get("is_default")]
-    if usual:
-        text += block(f"u{index}", usual)
-        plots.append(f"$u{index} with points pt 6 ps 2 lc rgb '#000000' title 'default'")
-    return text + "plot " + ", \\\n  ".join(plots) + "\n"
-
-
-def script(rows):
-    """The gnuplot script with all its data; empty if no main knob was measured."""
-    panels = [(name, levels_of(rows, name)) for name in MAIN_KNOBS]
-    panels = [(name, methods) for name, methods in panels if methods]
-    if not panels:
-        return ""
-    columns = min(COLUMNS, len(panels))
-    legend_rows = 1 + max(len(methods) for _, methods in panels)
-    height = TOP + PLOT_HEIGHT + LEGEND_GAP + LEGEND_ROW * legend_rows + BOTTOM
-    size = columns * PANEL_WIDTH, math.ceil(len(panels) / columns) * height
-    text = (f"set encoding utf8\nset terminal svg noenhanced size {size[0]},{size[1]} "
-            f"font 'sans-serif,{FONT_PX}' background 'white'\nset multiplot\n"
-            "set grid lc rgb '#E4E4E4'\nset border lc rgb '#404040'\nset tics nomirror scale 0.7\n")
-    for i, (name, methods) in enumerate(panels):
-        left, top = i % columns * PANEL_WIDTH, i // columns * height
-        bottom = top + TOP + PLOT_HEIGHT
-        frame = (f"set lmargin at screen {(left + LEFT) / size[0]:.6g}\n"
-                 f"set rmargin at screen {(left + PANEL_WIDTH - RIGHT) / size[0]:.6g}\n"
-                 f"set tmargin at screen {1 - (top + TOP) / size[1]:.6g}\n"
-                 f"set bmargin at screen {1 - bottom / size[1]:.6g}\n"
-                 f"set key at screen {(left + LEFT) / size[0]:.6g}, screen "
-                 f"{1 - (bottom + LEGEND_GAP) / size[1]:.6g} left top Left reverse samplen 2\n")
-        text += panel(i, name, methods, frame)
-    return text + "unset multiplot\n"
-
-
-def hash_of(text):
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def is_figure_of(text, path):
-    """Whether the file was drawn by this script. The SVG itself differs between gnuplot versions."""
-    try:
-        return f"<!-- drawn by the script {hash_of(text)} -->" in path.read_text(encoding="utf-8")
-    except OSError:
-        return False
-
-
-def draw(text, path):
-    """Draws the figure, or raises OSError."""
-    done = subprocess.run(["gnuplot", "-d"], input=text, capture_output=True, text=True,
-                          encoding="utf-8")
-    if done.returncode != 0 or "</svg>" not in done.stdout:
-        raise OSError(f"gnuplot did not draw it: {done.stderr.strip()[-200:]}")
-    picture = svg.on_any_ground(done.stdout).replace(
-        "</svg>", f"<!-- drawn by the script {hash_of(text)} -->\n</svg>")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(picture, encoding="utf-8")
+def figure_table(rows):
+    """What palpate.analysis.results.accuracy draws: the levels of the main knobs that were measured."""
+    return [{"knob": name, "title": knob.title, "method": method, "is_default": bool(row.get("is_default")),
+             "error_name": knob.error, "error_unit": knob.error_unit, "time_name": knob.time,
+             "time_unit": knob.time_unit,
+             **{key: row[key] for key in COUNTERS if key != "level"}}
+            for name in MAIN_KNOBS for knob in [KNOBS[name]]
+            for method, levels in levels_of(rows, name).items() for _, row in levels]

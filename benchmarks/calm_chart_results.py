@@ -1,9 +1,16 @@
-"""The table of what is safe with which device, from the tables of measure_calm_chart.py."""
+"""The table and the figure of what is safe with which device, from the tables of measure_calm_chart.py.
 
-import calm_chart_figure as figure
+The areas of the figure are the zones of a device that states nothing but its delay (a bare tip); the
+points are the contacts that `palpate soak --device` has simulated.
+"""
+
+import csv
+
 import result_tables as tables
 from result_tables import BadInput
 
+CASES = "calm_chart.csv"
+ZONES = "stiffness_zones.csv"
 RATE_HZ = 1000.0  # of the row of the stiffness
 # The longest delay of a column, s: a hAPI board on a fast line, on a slow one, and the end of the chart.
 DELAYS_S = (1e-3, 3.1e-3, 5e-3)
@@ -13,15 +20,36 @@ BROKEN = ("swings", "returns energy")
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
+def rows_of(path):
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
+    except OSError as error:
+        raise BadInput(f"{path}: expected a table of measure_calm_chart.py ({error!r})") from error
+
+
 def read(folder):
     """(cases, zones)"""
-    cases, zones = figure.rows_of(folder / figure.CASES), figure.rows_of(folder / figure.ZONES)
+    cases, zones = rows_of(folder / CASES), rows_of(folder / ZONES)
     try:
         block((cases, zones))
-        figure.draw(cases, zones)
+        figure_table((cases, zones))
     except (OSError, ValueError, KeyError, ArithmeticError, StopIteration) as error:
         raise BadInput(f"{folder}: expected the tables of measure_calm_chart.py ({error!r})") from error
     return cases, zones
+
+
+def figure_table(measured):
+    """What palpate.analysis.results.calm_chart draws."""
+    cases, zones = measured
+
+    def numbers(row, *names):
+        return {"rate_Hz": float(row["rate_Hz"]), "delay_ms": 1e3 * float(row["delay_s"]),
+                **{name: float(row[name]) for name in names}}
+
+    return {"cases": [{**numbers(row, "stiffness_N_per_m"), "outcome": row["outcome"]} for row in cases
+                      if row["states_delay"] == "1"],
+            "zones": [numbers(row, "stable_N_per_m", "calm_N_per_m") for row in zones]}
 
 
 def stiffness_cell(zones, delay_s):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs `palpate soak --device` at four rates and writes its tables and their picture into a folder.
+"""Runs `palpate soak --device` at four rates and writes its tables into a folder.
 
     benchmarks/measure_calm_chart.py build/release/palpate benchmarks/results/calm_chart
 
@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 
-import calm_chart_figure as figure
+import calm_chart_results as results
 
 RATES_HZ = (250, 1000, 4000, 10000)
 CASES = 150
@@ -29,13 +29,12 @@ def main():
                                    "--rate", str(rate), "--out", out], check=False)
             if done.returncode not in (0, 1):
                 sys.exit(f"soak --device ended with exit code {done.returncode}")
-            header, *rows = (pathlib.Path(out) / figure.CASES).read_text(encoding="utf-8").splitlines()
+            header, *rows = (pathlib.Path(out) / results.CASES).read_text(encoding="utf-8").splitlines()
             lines += ([] if lines else [header]) + rows
-        zones = (pathlib.Path(out) / figure.ZONES).read_text(encoding="utf-8")
+        zones = (pathlib.Path(out) / results.ZONES).read_text(encoding="utf-8")
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / figure.CASES).write_text("\n".join(lines) + "\n", encoding="utf-8")
-    (folder / figure.ZONES).write_text(zones, encoding="utf-8")
-    (folder / "calm_chart.svg").write_text(figure.svg_of(folder), encoding="utf-8")
+    (folder / results.CASES).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (folder / results.ZONES).write_text(zones, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 measure_objects.py PROGRAM
 
 Writes into benchmarks/results/paper_objects: objects.json, the figures of each run; star.svg, the
-paths that the program draws; a4.json, four instants of the run on the star (a4_figure.py). The runs
+paths that the program draws; a4.json, four instants of the run on the star (a4_instants.py). The runs
 are in simulated time: the results depend on the code alone, and times of this machine are left out.
 """
 
@@ -15,10 +15,12 @@ import sys
 import tempfile
 
 sys.dont_write_bytecode = True  # no folder beside the sources
-import a4_figure  # noqa: E402
-import svg  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "engine/python"))
+import a4_instants  # noqa: E402
+from palpate.analysis.results.grounds import on_any_ground  # noqa: E402
+
 RESULTS = ROOT / "benchmarks" / "results" / "paper_objects"
 LETTERS = 1.3  # star.svg is shown smaller than a run's picture
 OBJECTS = ["star", "labyrinth", "inverted_labyrinth", "lock"]
@@ -38,8 +40,8 @@ def main():
                  "--out", out], check=True, capture_output=True, text=True)
             if name == "star":
                 picture = (out / "paths.svg").read_text(encoding="utf-8")
-                (RESULTS / "star.svg").write_text(svg.on_any_ground(picture, LETTERS), encoding="utf-8")
-                instants = a4_figure.instants_of(out / "trace-on.csv", out / "contour-on.csv")
+                (RESULTS / "star.svg").write_text(on_any_ground(picture, LETTERS), encoding="utf-8")
+                instants = a4_instants.instants_of(out / "trace-on.csv", out / "contour-on.csv")
                 write_json(RESULTS / "a4.json", instants)
         runs = json.loads(result.stdout)["runs"]
         objects[name] = [{key: run[key] for key in KEPT} for run in runs]

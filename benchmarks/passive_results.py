@@ -3,7 +3,6 @@
 import json
 
 import result_tables as tables
-import svg
 from result_tables import BadInput
 
 NAME = "a4_passive.json"
@@ -18,9 +17,6 @@ GROUPS = [
      ("work along the wall", "work along the wall", 1e3, "%.0f mJ"),
      ("work of one contact", "work of one contact", 1e3, "%.0f mJ")],
 ]
-WIDTH, HEIGHT = 760, 370
-LEFT, RIGHT, TOP, BOTTOM = 64, 210, 44, 46
-TEXT = 14
 
 
 def read(folder):
@@ -30,7 +26,7 @@ def read(folder):
         result = json.loads(path.read_text(encoding="utf-8"))
         block(result)
         presses_block(result)
-        draw(result)
+        figure_table(result)
     except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError) as error:
         raise BadInput(f"{path}: expected a result of measure_passive_budgets.py ({error!r})") from error
     return result
@@ -116,57 +112,20 @@ def presses_block(result):
     return tables.markdown(["mean of 17 presses", *titles], rows)
 
 
-def apart(heights, least):
-    """The heights, moved up and down until they are this far apart, in their order."""
-    order = sorted(range(len(heights)), key=lambda n: heights[n])
-    placed = list(heights)
-    for _ in heights:
-        for low, high in zip(order, order[1:]):
-            missing = least - (placed[high] - placed[low])
-            if missing > 0.0:
-                placed[low] -= 0.5 * missing
-                placed[high] += 0.5 * missing
-    return placed
-
-
 def curves_of(result):
-    """Title, colour, {strategy: share of that of a4}."""
+    """Title, {strategy: share of that of a4}."""
     energies = means_of(result, "energy of turning")
     longest, shortest = pauses_of(result)
-    return ((f"gain, presses {longest:g} s apart", svg.GREEN, shares(presses_of(result, longest, "depth_m"))),
-            (f"gain, presses {shortest:g} s apart", svg.ORANGE,
-             shares(presses_of(result, shortest, "depth_m"))),
-            ("gain, ways", svg.BLUE, gains(result)),
-            ("energy of turning, ways", svg.RED,
+    return ((f"gain, presses {longest:g} s apart", shares(presses_of(result, longest, "depth_m"))),
+            (f"gain, presses {shortest:g} s apart", shares(presses_of(result, shortest, "depth_m"))),
+            ("gain, ways", gains(result)),
+            ("energy of turning, ways",
              {name: energy / energies["a4"] for name, energy in energies.items()}))
 
 
-def draw(result):
-    """The gains and the energy of turning as shares of those of a4, over the budget."""
-    budgets = [name for name in strategies_of(result) if name.startswith(PREFIX)]
-    curves = curves_of(result)
-    picture = svg.Drawing(WIDTH, HEIGHT, "The part of A4's gain in penetration over mask, in presses "
-                          "and on ways, and of the energy that its turns add, over the budget of a4-passive.")
-
-    def place(n, share):
-        return (LEFT + n / (len(budgets) - 1) * (WIDTH - LEFT - RIGHT),
-                HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM))
-
-    for percent in (0, 25, 50, 75, 100):
-        y = place(0, percent / 100)[1]
-        picture.line([(LEFT, y), (WIDTH - RIGHT, y)], svg.FAINT)
-        picture.text((LEFT - 8, y + 5), f"{percent} %", TEXT, anchor="end")
-    for n, name in enumerate(budgets):
-        x, y = place(n, 0.0)
-        picture.text((x, y + 20), name.removeprefix(PREFIX), TEXT, anchor="middle")
-    picture.text((LEFT, 18), "Share of A4's gain in penetration over mask, and of its energy of turning", TEXT)
-    picture.text(((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 6), "budget of a contact, mJ", TEXT,
-                 anchor="middle")
-    ends = apart([place(0, share[budgets[-1]])[1] for *_, share in curves], 1.3 * TEXT)
-    for (title, colour, share), end in zip(curves, ends):
-        points = [place(n, share[name]) for n, name in enumerate(budgets)]
-        picture.line(points, colour, 2)
-        for point in points:
-            picture.circle(point, 4, colour)
-        picture.text((points[-1][0] + 12, end + 5), title, TEXT, colour)
-    return picture.svg()
+def figure_table(result):
+    """What palpate.analysis.results.budgets draws: the gains and the energy of turning as shares of
+    those of a4, over the budget."""
+    return [{"curve": title, "budget_mJ": float(name.removeprefix(PREFIX)), "share": share[name]}
+            for title, share in curves_of(result)
+            for name in strategies_of(result) if name.startswith(PREFIX)]

@@ -11,25 +11,24 @@ figure differs from the results. --root: a folder with the same layout as the pr
 """
 
 import argparse
+import json
 import os
 import pathlib
 import re
 import sys
 
 sys.dont_write_bytecode = True  # no folder beside the sources
-import a4_figure  # noqa: E402
 import accuracy_results  # noqa: E402
-import calm_chart_figure  # noqa: E402
 import calm_chart_results  # noqa: E402
 import compare_results  # noqa: E402
 import contour_results  # noqa: E402
 import experiment_results  # noqa: E402
-import groove_figure  # noqa: E402
 import passive_results  # noqa: E402
+import result_figures  # noqa: E402
 import result_tables as tables  # noqa: E402
 import session_results  # noqa: E402
 import soak_results  # noqa: E402
-import sweep_figure  # noqa: E402
+import sweep_results  # noqa: E402
 import work_results  # noqa: E402
 from result_tables import BadInput  # noqa: E402
 
@@ -135,7 +134,7 @@ def conditions_block(machine):
 
 
 def figure_line(machine, root):
-    if not accuracy_results.script(machine.knobs):
+    if not accuracy_results.figure_table(machine.knobs):
         return ""
     link = pathlib.Path(os.path.relpath(machine.figure, root / STUDY)).as_posix()
     return f"![Error against time of the main knobs; rings mark defaults]({link})"
@@ -200,7 +199,7 @@ def blocks_of(root, machines):
                                    "a4_losses": compare_results.losses_block(comparison),
                                    "a4_passive": passive_results.block(budgets),
                                    "presses": passive_results.presses_block(budgets)},
-        STUDY / "sweeps.md": {"sweep": sweep_figure.block(root / "benchmarks/results/sweep")},
+        STUDY / "sweeps.md": {"sweep": sweep_results.block(root / "benchmarks/results/sweep")},
         STUDY / "soak.md": {"soaks": soak_results.block(soaks)},
         STUDY / "accuracy.md": of_machines("accuracy"),
         STUDY / "results.md": {"speed": speed_block(newest, work), **of_machines("conditions")},
@@ -233,20 +232,25 @@ def documents_of(root, blocks):
     return documents
 
 
-def figures_of(root):
-    """{path: content} of the figures that our own code draws."""
-    folder = root / "benchmarks/results/paper_objects"
-    sweep = root / "benchmarks/results/sweep"
-    compare = root / "benchmarks/results/compare"
-    calm = root / "benchmarks/results/calm_chart"
+def figures_of(root, machines):
+    """{path: (kind, table)}: what palpate.analysis.results draws. No table: no figure."""
+    results = root / "benchmarks/results"
+    objects, sweep, compare, calm = (results / name for name in
+                                     ("paper_objects", "sweep", "compare", "calm_chart"))
     try:
-        return {folder / "a4.svg": a4_figure.svg_of(folder),
-                compare / "a4_passive.svg": passive_results.draw(passive_results.read(compare)),
-                calm / "calm_chart.svg": calm_chart_figure.svg_of(calm),
-                sweep / "a4_helps.svg": sweep_figure.svg_of(sweep),
-                root / "haptics/proxy/groove.svg": groove_figure.draw()}
-    except (OSError, ValueError, KeyError) as error:
-        raise BadInput(f"{folder}: expected a4.json and objects.json of measure_objects.py "
+        a4 = {"data": json.loads(read(objects / "a4.json")),
+              "star": json.loads(read(objects / "objects.json"))["star"]}
+        return {objects / "a4.svg": ("a4_turns", a4),
+                compare / "a4_passive.svg": ("budgets", passive_results.figure_table(
+                    passive_results.read(compare))),
+                calm / "calm_chart.svg": ("calm_chart", calm_chart_results.figure_table(
+                    calm_chart_results.read(calm))),
+                sweep / "a4_helps.svg": ("a4_helps", sweep_results.figure_of(sweep)),
+                root / "haptics/proxy/groove.svg": ("groove", {"steps": 5}),
+                **{machine.figure: ("accuracy", accuracy_results.figure_table(machine.knobs))
+                   for machine in machines}}
+    except (ValueError, KeyError) as error:
+        raise BadInput(f"{objects}: expected a4.json and objects.json of measure_objects.py "
                        f"({error!r})") from error
 
 
@@ -293,22 +297,20 @@ def update(path, content, check):
     print(f"wrote {path}")
 
 
-def update_accuracy_figure(machine, check):
-    """Draws the figure if it is missing or drawn from other data; removes it if there is no data."""
-    figure, script = machine.figure, accuracy_results.script(machine.knobs)
-    if accuracy_results.is_figure_of(script, figure) if script else not figure.exists():
-        return
-    if check:
-        raise BadInput(f"{figure}: differs from {machine.path.name}; "
+def update_figures(figures, check):
+    """Draws the figures that are missing, or drawn from other tables; removes those without data."""
+    stale = {path: (kind, table) for path, (kind, table) in figures.items()
+             if table and not result_figures.is_drawn(path, kind, table)}
+    extra = [path for path, (_, table) in figures.items() if not table and path.exists()]
+    if check and (stale or extra):
+        path = [*stale, *extra][0]
+        raise BadInput(f"{path}: {'differs from the results' if path.exists() else 'is missing'}; "
                        "run benchmarks/update_results.py")
-    try:
-        if script:
-            accuracy_results.draw(script, figure)
-        else:
-            figure.unlink()
-    except OSError as error:
-        raise BadInput(f"{figure}: {error}; is gnuplot-nox installed?") from error
-    print(f"{'drew' if script else 'removed'} {figure}")
+    if stale:
+        result_figures.draw(stale)
+    for path in extra:
+        path.unlink()
+        print(f"removed {path}")
 
 
 def run(root, check):
@@ -317,11 +319,10 @@ def run(root, check):
     if not machines:
         raise BadInput(f"{results}: no results; run benchmarks/run.sh")
     documents = documents_of(root, blocks_of(root, machines))
-    figures = figures_of(root)
+    figures = figures_of(root, machines)
     work_results.check(root, work_results.read(results / "work"))
-    for machine in machines:
-        update_accuracy_figure(machine, check)
-    for path, content in {**figures, **documents}.items():
+    update_figures(figures, check)
+    for path, content in documents.items():
         update(path, content, check)
 
 

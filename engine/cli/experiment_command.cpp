@@ -2,7 +2,6 @@
 
 #include <array>
 #include <filesystem>
-#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -12,13 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "engine/analysis/canonical_merge.h"
 #include "engine/cli/all_commands.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_line.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/experiment_power.h"
 #include "engine/cli/number_option.h"
+#include "engine/cli/placed_results.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/python_page.h"
 #include "engine/cli/run_progress.h"
@@ -71,30 +70,6 @@ std::string merged_text(const MergedExperiment& merged, const std::string& folde
   return text.str();
 }
 
-std::string merged_text(const MergedCanonical& merged, const std::string& folder) {
-  std::ostringstream text;
-  text << merged.trials << " trials of " << merged.participants
-       << (merged.participants == 1 ? " participant" : " participants") << " at the canonical wall";
-  if (merged.without_result > 0) text << ", " << merged.without_result << " without a result";
-  text << "\ncanonical.csv, columns.csv, canonical.html and run.json are in " << folder << "/\n";
-  return text.str();
-}
-
-const std::vector<std::string>& warnings_of(const MergedCanonical& merged) {
-  return merged.warnings;
-}
-const std::vector<std::string>& warnings_of(const MergedSweep& merged) {
-  return merged.warnings;
-}
-template <typename Outcome>
-std::vector<std::string> scene_warnings_of(const Outcome& outcome) {
-  if constexpr (requires { outcome.scene_warnings; }) return outcome.scene_warnings;
-  return {};  // a canonical plan has no scene of a file
-}
-std::vector<std::string> warnings_of(const MergedExperiment&) {
-  return {};
-}
-
 // Options of one subcommand. Each has a function that adds them and one that runs.
 
 struct ExperimentRunRequest {
@@ -107,63 +82,19 @@ struct ExperimentRunRequest {
 
 constexpr const char* kParticipant = "participant";
 
-// What the run did, for the user.
-template <typename RunOutcome>
-std::string outcome_text(const RunOutcome& outcome, const DealtSettings& settings) {
-  const std::string& folder = settings.out_folder;
+// What was complete before, for the user.
+std::string kept_text(const DealtOutcome& outcome, const std::string& folder) {
+  const std::string there = folder + "/parts from an earlier run of this plan\n";
   std::string text;
   if (!outcome.kept.empty()) {
-    text += "kept " + participants_text(outcome.kept) + ", complete in " + folder +
-            "/parts from an earlier run of this plan\n";
+    text = "kept " + participants_text(outcome.kept) + ", complete in " + there;
   }
   if (outcome.kept_trials > 0) {
     text += outcome.kept.empty()
-                ? "kept " + count_text(outcome.kept_trials, "trial") + " in " + folder +
-                      "/parts from an earlier run of this plan\n"
+                ? "kept " + count_text(outcome.kept_trials, "trial") + " in " + there
                 : "kept " + kept_trials_text(outcome.kept_trials, kParticipant) + " from there\n";
   }
-  return text + (outcome.merged ? merged_text(*outcome.merged, folder)
-                                : shard_text(outcome, settings, kParticipant, "experiment"));
-}
-
-// warnings: of the plan. run: a function that takes the progress and returns a Result of an outcome
-// with `merged`.
-template <typename Run>
-int run_with_progress(const DealtSettings& settings, std::vector<std::string> warnings,
-                      const Run& run) {
-  if (const auto error = check_output()) return refuse(*error);
-  const SignalPhaseScope in_order(SignalPhase::kInOrder);
-  const auto outcome = [&] {
-    ProgressBar bar("experiment");
-    return run(shown_in(bar));
-  }();
-  if (!outcome) return refuse(outcome.error());
-  if (!outcome->not_done.empty()) {
-    return report_interruption(*outcome, kParticipant, settings.out_folder);
-  }
-  std::cout << outcome_text(*outcome, settings);
-  for (const std::string& warning : scene_warnings_of(*outcome)) warnings.push_back(warning);
-  if (outcome->merged) {
-    for (const std::string& warning : warnings_of(*outcome->merged)) warnings.push_back(warning);
-  }
-  return exit_code_after_signals(finish_output(warnings));
-}
-
-struct WholeCanonicalRun : DealtOutcome {
-  std::optional<MergedCanonical> merged;  // no value: a shard, or stopped
-};
-
-Result<WholeCanonicalRun> run_whole_canonical(const CanonicalPlan& plan,
-                                              const DealtSettings& settings,
-                                              const std::function<void(const RunProgress&)>& show) {
-  auto done = run_canonical(plan, settings, show, &signal_flag());
-  if (!done) return done.error();
-  WholeCanonicalRun outcome{std::move(*done), std::nullopt};
-  if (settings.shard || !outcome.not_done.empty()) return outcome;
-  auto merged = merge_canonical({settings.out_folder}, settings.out_folder);
-  if (!merged) return merged.error();
-  outcome.merged = std::move(*merged);
-  return outcome;
+  return text;
 }
 
 int run_canonical_plan(const CanonicalPlan& plan, const DealtSettings& settings,
@@ -172,8 +103,41 @@ int run_canonical_plan(const CanonicalPlan& plan, const DealtSettings& settings,
     return refuse(invalid_argument("--traces", "is given with a canonical plan; expected no traces",
                                    "leave it out"));
   }
-  return run_with_progress(
-      settings, {}, [&](const auto& show) { return run_whole_canonical(plan, settings, show); });
+  if (const auto error = check_output()) return refuse(*error);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  const auto outcome = [&] {
+    ProgressBar bar("experiment");
+    return run_canonical(plan, settings, shown_in(bar), &signal_flag());
+  }();
+  if (!outcome) return refuse(outcome.error());
+  const std::string& folder = settings.out_folder;
+  return finish_dealt_run(*outcome, settings, kept_text(*outcome, folder), kParticipant,
+                          "experiment", [&]() -> Result<PlacedResults> {
+                            auto merged = merge_canonical({folder}, folder);
+                            if (!merged) return merged.error();
+                            return place_results(std::move(*merged), folder);
+                          });
+}
+
+int run_experiment_plan(const ExperimentPlan& plan, const DealtSettings& settings,
+                        bool writes_traces) {
+  if (const auto error = check_output()) return refuse(*error);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  const auto outcome = [&] {
+    ProgressBar bar("experiment");
+    return run_experiment(plan,
+                          {settings.out_folder, settings.shard, settings.jobs, writes_traces},
+                          {find_trial_way, run_trial}, shown_in(bar), &signal_flag());
+  }();
+  if (!outcome) return refuse(outcome.error());
+  const std::string& folder = settings.out_folder;
+  if (!outcome->not_done.empty()) return report_interruption(*outcome, kParticipant, folder);
+  std::cout << kept_text(*outcome, folder)
+            << (outcome->merged ? merged_text(*outcome->merged, folder)
+                                : shard_text(*outcome, settings, kParticipant, "experiment"));
+  std::vector<std::string> warnings = plan.warnings();
+  for (const std::string& warning : outcome->scene_warnings) warnings.push_back(warning);
+  return exit_code_after_signals(finish_output(warnings));
 }
 
 int run_plan(const ExperimentRunRequest& request) {
@@ -184,11 +148,7 @@ int run_plan(const ExperimentRunRequest& request) {
   if (*canonical) return run_canonical_plan(**canonical, *settings, request.traces);
   const auto plan = load_plan(request.plan);
   if (!plan) return refuse(plan.error());
-  return run_with_progress(*settings, plan->warnings(), [&](const auto& show) {
-    return run_experiment(*plan,
-                          {settings->out_folder, settings->shard, settings->jobs, request.traces},
-                          {find_trial_way, run_trial}, show, &signal_flag());
-  });
+  return run_experiment_plan(*plan, *settings, request.traces);
 }
 
 void add_run(CLI::App& experiment, ExperimentRunRequest& request) {
@@ -274,36 +234,34 @@ struct ExperimentMergeRequest {
 };
 
 template <typename Merged>
-Result<std::string> merged_folders(const Result<Merged>& merged, const std::string& out,
-                                   std::vector<std::string>& warnings) {
+Result<PlacedResults> place_merged(Result<Merged> merged, const std::string& out) {
   if (!merged) return merged.error();
-  warnings = warnings_of(*merged);
-  return merged_text(*merged, out);
+  return place_results(std::move(*merged), out);
 }
 
-// Joins the parts of any kind of run, and returns what the user reads.
-Result<std::string> merge_folders(const std::vector<std::string>& folders, const std::string& out,
-                                  std::vector<std::string>& warnings) {
+// Joins the parts of any kind of run.
+Result<PlacedResults> merge_folders(const std::vector<std::string>& folders,
+                                    const std::string& out) {
   const auto kind = kind_of_run_in(folders.front());
   if (!kind) return kind.error();
-  switch (*kind) {
-    case RunKind::kExperiment:
-      break;
-    case RunKind::kCanonical:
-      return merged_folders(merge_canonical(folders, out), out, warnings);
-    case RunKind::kSweep:
-      return merged_folders(merge_sweep(folders, out), out, warnings);
-  }
-  return merged_folders(merge_experiment(folders, out), out, warnings);
+  if (*kind == RunKind::kCanonical) return place_merged(merge_canonical(folders, out), out);
+  if (*kind == RunKind::kSweep) return place_merged(merge_sweep(folders, out), out);
+  const auto merged = merge_experiment(folders, out);
+  if (!merged) return merged.error();
+  return PlacedResults{false, merged_text(*merged, out), {}};
 }
 
 int merge(const ExperimentMergeRequest& request) {
   if (const auto error = check_output()) return refuse(*error);
-  std::vector<std::string> warnings;
-  const auto text = merge_folders(request.folders, request.out_dir, warnings);
-  if (!text) return refuse(text.error());
-  std::cout << *text;
-  return finish_output(warnings);
+  const SignalPhaseScope in_order(SignalPhase::kInOrder);
+  const auto results = merge_folders(request.folders, request.out_dir);
+  if (!results) return refuse(results.error());
+  if (results->is_interrupted) {
+    std::cerr << "palpate: interrupted; nothing is written\n";
+    return exit_code_after_signals(0);
+  }
+  std::cout << results->text;
+  return exit_code_after_signals(finish_output(results->warnings));
 }
 
 void add_merge(CLI::App& experiment, ExperimentMergeRequest& request) {
@@ -330,7 +288,8 @@ struct ExperimentAnalyseRequest {
 
 constexpr std::array kAnalysisNames = {"report.html",       "analysis.json", "effects.csv",
                                        "comparisons.csv",   "means.csv",     "missing_trials.csv",
-                                       "findings.csv",      "verdicts.csv",  "differences.csv"};
+                                       "findings.csv",      "verdicts.csv",  "variances.csv",
+                                       "loss_rates.csv",    "differences.csv"};
 
 // An error if there is no such file, or if it has other results than trials. The file becomes an
 // input, which no output replaces.
@@ -358,7 +317,7 @@ int analyse(const ExperimentAnalyseRequest& request) {
   PageOutcome outcome = make_page({"experiment", "--trials=" + request.file,
                                    "--limit=" + as_printed(request.limit_s)},
                                   *files);
-  outcome.text += "report.html, analysis.json and 7 tables are in " + request.out_dir + "/\n";
+  outcome.text += "report.html, analysis.json and 9 tables are in " + request.out_dir + "/\n";
   return finish_page(outcome, *files);
 }
 
@@ -372,9 +331,10 @@ void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
       "  ./run.sh experiment analyse experiment/trials.csv --out analysis\n",
       "report.html states what agrees with the paper and what does not, with figures and all "
       "statistics.\nanalysis.json has the same numbers for other programs, and effects.csv, "
-      "comparisons.csv, means.csv,\nmissing_trials.csv, findings.csv, verdicts.csv and "
-      "differences.csv have them as tables. Trials with several\nlevels of view, align, start "
-      "orientation or scale are analysed separately, and compared in differences.csv.\n\n"
+      "comparisons.csv, means.csv,\nmissing_trials.csv, findings.csv, verdicts.csv, "
+      "variances.csv,\nloss_rates.csv and differences.csv have them as tables. Trials with several "
+      "levels of view, align,\nstart orientation or scale are analysed separately, and compared in "
+      "differences.csv.\n\n"
       "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
       "(NoR, R),\nobject, status (done, timeout, fault), total_time_s, losses_of_contact and "
       "mean_penetration_m or\nmean_penetration_dm; mean_contact_angle_deg is optional.\n");

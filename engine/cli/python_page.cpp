@@ -309,6 +309,23 @@ int finish_page(const PageOutcome& outcome, OutputFiles& files) {
   return exit_code_after_signals(finish_output(with_page_warnings({}, outcome)));
 }
 
+Result<PageOutcome> place_with_page(const std::vector<std::string>& arguments,
+                                    const std::vector<std::string>& page_names,
+                                    OutputFiles& files) {
+  PageOutcome outcome = make_page(arguments, files);
+  if (outcome.end != PageEnd::kMade) {
+    for (const std::string& name : page_names) {
+      std::error_code ignored;
+      fs::remove(files.path(name), ignored);
+    }
+  }
+  const SignalPhaseScope not_now(SignalPhase::kDeferred);
+  if (signal_flag().requested()) outcome.end = PageEnd::kInterrupted;
+  if (outcome.end == PageEnd::kInterrupted) return outcome;
+  if (auto error = files.move_into_place()) return *error;
+  return outcome;
+}
+
 std::vector<std::string> with_page_warnings(std::vector<std::string> warnings,
                                             const PageOutcome& outcome) {
   warnings.insert(warnings.end(), outcome.warnings.begin(), outcome.warnings.end());

@@ -47,4 +47,11 @@ int finish_page(const PageOutcome& outcome, OutputFiles& files);
 std::vector<std::string> with_page_warnings(std::vector<std::string> warnings,
                                             const PageOutcome& outcome);
 
+// For a command that has measured, and whose measured files are complete: makes the page beside
+// them, and moves all of them into place together. Without a page, the measured files alone are
+// moved, and former files of page_names are removed. If the outcome is kInterrupted, nothing is
+// moved. page_names: the files that the page may have; names of `files`.
+Result<PageOutcome> place_with_page(const std::vector<std::string>& arguments,
+                                    const std::vector<std::string>& page_names, OutputFiles& files);
+
 }  // namespace palpate

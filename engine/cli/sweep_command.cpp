@@ -1,15 +1,14 @@
 #include "engine/cli/sweep_command.h"
 
-#include <functional>
-#include <iostream>
-#include <sstream>
 #include <utility>
 
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/number_option.h"
+#include "engine/cli/placed_results.h"
 #include "engine/cli/program_signals.h"
 #include "engine/cli/run_progress.h"
+#include "engine/trials/sweep/sweep_merge.h"
 #include "engine/trials/sweep/sweep_run.h"
 #include "engine/trials/trial.h"
 
@@ -18,49 +17,22 @@ namespace {
 
 constexpr const char* kPoint = "point";
 
-struct WholeSweep : SweepOutcome {
-  std::optional<MergedSweep> merged;  // no value: a shard, or stopped
-};
-
-Result<WholeSweep> run_whole_sweep(const Sweep& sweep, const DealtSettings& settings,
-                                   const std::function<void(const RunProgress&)>& show) {
-  auto done = run_sweep(sweep, settings, {find_trial_way, run_trial}, show, &signal_flag());
-  if (!done) return done.error();
-  WholeSweep outcome{std::move(*done), std::nullopt};
-  if (settings.shard || !outcome.not_done.empty()) return outcome;
-  auto merged = merge_sweep({settings.out_folder}, settings.out_folder);
-  if (!merged) return merged.error();
-  outcome.merged = std::move(*merged);
-  return outcome;
-}
-
-std::string outcome_text(const WholeSweep& outcome, const DealtSettings& settings) {
-  const std::string& folder = settings.out_folder;
+// What was complete before, for the user.
+std::string kept_text(const SweepOutcome& outcome, const std::string& folder) {
+  const std::string there = folder + "/parts from an earlier run of this sweep\n";
   std::string text;
   if (!outcome.kept.empty()) {
-    text += "kept " + count_text(outcome.kept.size(), kPoint) + ", complete in " + folder +
-            "/parts from an earlier run of this sweep\n";
+    text = "kept " + count_text(outcome.kept.size(), kPoint) + ", complete in " + there;
   }
   if (outcome.kept_trials > 0) {
     text += outcome.kept.empty()
-                ? "kept " + count_text(outcome.kept_trials, "trial") + " in " + folder +
-                      "/parts from an earlier run of this sweep\n"
+                ? "kept " + count_text(outcome.kept_trials, "trial") + " in " + there
                 : "kept " + kept_trials_text(outcome.kept_trials, kPoint) + " from there\n";
   }
-  return text + (outcome.merged ? merged_text(*outcome.merged, folder)
-                                : shard_text(outcome, settings, kPoint, "sweep"));
+  return text;
 }
 
 }  // namespace
-
-std::string merged_text(const MergedSweep& merged, const std::string& folder) {
-  std::ostringstream text;
-  text << count_text(static_cast<std::size_t>(merged.points), kPoint) << ", " << merged.trials
-       << " trials: " << merged.done << " done, " << merged.timeouts << " timeout, "
-       << merged.faults << " fault\n"
-       << merged.text << "report.html, sweep.csv and the tables are in " << folder << "/\n";
-  return text.str();
-}
 
 void add_sweep(CLI::App& experiment, SweepRequest& request) {
   CLI::App& app = *experiment.add_subcommand(
@@ -94,13 +66,16 @@ int run_sweep_command(const SweepRequest& request) {
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   const auto outcome = [&] {
     ProgressBar bar("sweep");
-    return run_whole_sweep(*sweep, *settings, shown_in(bar));
+    return run_sweep(*sweep, *settings, {find_trial_way, run_trial}, shown_in(bar), &signal_flag());
   }();
   if (!outcome) return refuse(outcome.error());
-  if (!outcome->not_done.empty()) return report_interruption(*outcome, kPoint, request.out_dir);
-  std::cout << outcome_text(*outcome, *settings);
-  return exit_code_after_signals(
-      finish_output(outcome->merged ? outcome->merged->warnings : std::vector<std::string>()));
+  const std::string& folder = settings->out_folder;
+  return finish_dealt_run(*outcome, *settings, kept_text(*outcome, folder), kPoint, "sweep",
+                          [&]() -> Result<PlacedResults> {
+                            auto merged = merge_sweep({folder}, folder);
+                            if (!merged) return merged.error();
+                            return place_results(std::move(*merged), folder);
+                          });
 }
 
 }  // namespace palpate

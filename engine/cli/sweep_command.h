@@ -7,8 +7,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "engine/analysis/sweep_merge.h"
-
 namespace palpate {
 
 struct SweepRequest {
@@ -23,8 +21,5 @@ void add_sweep(CLI::App& experiment, SweepRequest& request);
 
 // Runs it and returns the exit code.
 int run_sweep_command(const SweepRequest& request);
-
-// What a complete sweep has found, and where its files are.
-std::string merged_text(const MergedSweep& merged, const std::string& folder);
 
 }  // namespace palpate

@@ -34,8 +34,9 @@ struct Cell {
   std::function<void(const Row&, CsvLines&)> write;
   // Puts the value of a field into the row.
   std::function<std::optional<FieldError>(const std::string&, Row&)> read;
-  // The values that are read, for columns.csv: `text`, `whole 0..9`, `number 0..`, `a|b|c`, with
-  // ` or empty` or ` or empty or NA` behind them.
+  // The values that are read, for columns.csv: `text`, `whole 0..9`, `number 0..`, `a|b|c`
+  // (`a:0..9` is a name with a colon and a number behind it), with ` or empty` or
+  // ` or empty or NA` behind them.
   std::string values = {};
 };
 

@@ -52,6 +52,17 @@ Cell<Row> factor(std::string Row::*member, std::span<const std::string_view> nam
           values_text(names, Blank::kNone)};
 }
 
+// "none|mask|a4-passive:0..1000": a strategy with a number has its range.
+std::string strategy_values() {
+  std::string text;
+  for (const StrategyType* type : strategies()) {
+    text.append(text.empty() ? "" : "|").append(type->name);
+    if (!type->parameter) continue;
+    text += ":" + as_printed(type->parameter->least) + ".." + as_printed(type->parameter->most);
+  }
+  return values_text(text, Blank::kEmpty);
+}
+
 Cell<Row> strategy_name() {
   return {
       [](const Row& row, CsvLines& lines) { lines.add(row.strategy); },
@@ -64,7 +75,7 @@ Cell<Row> strategy_name() {
         row.strategy = field;
         return std::nullopt;
       },
-      values_text("text", Blank::kEmpty)};
+      strategy_values()};
 }
 
 constexpr NumberRange kNotNegative{0.0};

@@ -5,7 +5,6 @@
 #include <map>
 #include <system_error>
 
-#include "engine/report/output_files.h"
 #include "engine/report/text_file.h"
 #include "engine/trials/csv_reader.h"
 #include "engine/trials/strict_json.h"
@@ -176,23 +175,22 @@ Result<JoinedParts> join_parts(const std::vector<std::string>& folders, RunKind 
   return joined;
 }
 
-std::optional<Error> write_results(const std::string& folder,
-                                   const std::vector<std::pair<std::string, std::string>>& texts,
-                                   const std::vector<std::string>& obsolete) {
+Result<OutputFiles> stage_results(const std::string& folder, RunKind kind,
+                                  const std::vector<std::pair<std::string, std::string>>& texts) {
   std::vector<std::string> names;
-  for (const std::string& name : obsolete) {
+  for (const std::string& name : results_of_other_kinds_in(folder, kind)) {
     std::error_code failed;
     const auto path = std::filesystem::path(folder) / name;
     if (std::filesystem::is_regular_file(path, failed)) names.push_back(name);
   }
-  for (const auto& [name, text] : texts) names.push_back(name);
+  for (std::string& name : result_names(kind)) names.push_back(std::move(name));
   auto files = OutputFiles::create(folder, names);
-  if (!files) return files.error();
+  if (!files) return files;
   for (const auto& [name, text] : texts) {
     const auto written = write_text_file(files->path(name), text);
     if (!written) return files->in_place(written.error());
   }
-  return files->move_into_place();
+  return files;
 }
 
 }  // namespace palpate

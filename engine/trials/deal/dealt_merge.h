@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/report/output_files.h"
 #include "engine/trials/deal/run_identity.h"
 #include "geometry/base/result.h"
 
@@ -31,12 +32,12 @@ struct JoinedParts {
 Result<JoinedParts> join_parts(const std::vector<std::string>& folders, RunKind kind,
                                const std::function<std::string(const RunIdentity&)>& columns_of);
 
-// Writes the texts as files of these names into the folder, together or not at all. An error
-// if another process writes there. obsolete: the names of results of another kind of run; the files
-// of these names are removed when the new ones appear, and anything else of these names is left
-// alone.
-std::optional<Error> write_results(const std::string& folder,
-                                   const std::vector<std::pair<std::string, std::string>>& texts,
-                                   const std::vector<std::string>& obsolete = {});
+// Writes the texts as files of these names, which are results of a run of this kind, beside the
+// folder's own files. They appear in the folder when the caller moves them into place, together or
+// not at all; the caller may add the page before (page_names). The results of another kind of run
+// in the folder are removed then; what has such a name and is no file is left alone. An error if
+// another process writes there.
+Result<OutputFiles> stage_results(const std::string& folder, RunKind kind,
+                                  const std::vector<std::pair<std::string, std::string>>& texts);
 
 }  // namespace palpate

@@ -46,13 +46,12 @@ Result<MergedExperiment> merge_experiment(const std::vector<std::string>& folder
   const auto rows =
       parse_trials(trials, (std::filesystem::path(out_folder) / kTrialsFile).string());
   if (!rows) return rows.error();
-  if (auto error = write_results(out_folder,
-                                 {{kTrialsFile, trials},
-                                  {kColumnsFile, columns_csv(identity.columns())},
-                                  {kRunFile, run_json(identity, *rows)}},
-                                 results_of_other_kinds_in(out_folder, identity.kind))) {
-    return *error;
-  }
+  auto files = stage_results(out_folder, identity.kind,
+                             {{kTrialsFile, trials},
+                              {kColumnsFile, columns_csv(identity.columns())},
+                              {kRunFile, run_json(identity, *rows)}});
+  if (!files) return files.error();
+  if (auto error = files->move_into_place()) return *error;
   MergedExperiment merged{identity.units, rows->size(), {}};
   for (const TrialRow& row : *rows) ++merged.by_status[static_cast<std::size_t>(row.status)];
   return merged;

@@ -37,11 +37,18 @@ bool has_results(const std::string& folder, RunKind kind) {
 
 }  // namespace
 
-std::vector<std::string> result_names(RunKind kind) {
-  if (kind == RunKind::kExperiment) return {kTrialsFile, kColumnsFile, kRunFile};
-  if (kind == RunKind::kCanonical) return {kCanonicalFile, kColumnsFile, kCanonicalPage, kRunFile};
-  std::vector<std::string> names{kSweepFile, kSweepPage, kSweepJson};
+std::vector<std::string> page_names(RunKind kind) {
+  if (kind == RunKind::kExperiment) return {};
+  if (kind == RunKind::kCanonical) return {kCanonicalPage};
+  std::vector<std::string> names{kSweepPage, kSweepJson};
   for (const std::string_view name : kSweepTableNames) names.push_back(std::string(name) + ".csv");
+  return names;
+}
+
+std::vector<std::string> result_names(RunKind kind) {
+  constexpr std::array kRowFiles = {kTrialsFile, kCanonicalFile, kSweepFile};
+  std::vector<std::string> names{kRowFiles[static_cast<std::size_t>(kind)], kColumnsFile};
+  for (std::string& name : page_names(kind)) names.push_back(std::move(name));
   names.emplace_back(kRunFile);
   return names;
 }

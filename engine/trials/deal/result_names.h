@@ -34,12 +34,16 @@ inline constexpr const char* kTrialsFile = "trials.csv";
 // Of a canonical run.
 inline constexpr const char* kCanonicalFile = "canonical.csv";
 inline constexpr const char* kCanonicalPage = "canonical.html";
-// Of a sweep. The tables are in CSV files of these names.
+// Of a sweep. The tables of its page are in CSV files of these names.
 inline constexpr const char* kSweepFile = "sweep.csv";
 inline constexpr const char* kSweepPage = "report.html";
 inline constexpr const char* kSweepJson = "sweep_results.json";
 inline constexpr std::array<std::string_view, 4> kSweepTableNames = {"one_at_a_time", "flips",
                                                                      "rankings", "halves"};
+
+// The names of the results of a run of this kind that palpate.analysis makes: the page and its
+// tables.
+std::vector<std::string> page_names(RunKind kind);
 
 // The names of all results of a run of this kind. kRunFile is the last one.
 std::vector<std::string> result_names(RunKind kind);

@@ -29,35 +29,48 @@ std::array<SweepParameter, kSweepParameterCount> make_parameters() {
   using P = OperatorParameters;
   std::array<SweepParameter, kSweepParameterCount> all{};
   const auto of_person = [&](SweepParameterIndex index, std::string_view name,
-                             std::string_view symbol, std::string_view unit,
-                             std::string_view meaning, double P::*field) {
-    all[index] = {name, symbol, unit, meaning, valid_of_person(field), {}, field, false};
+                             std::string_view unit, std::string_view meaning, double P::*field) {
+    all[index] = {name, unit, meaning, valid_of_person(field), {}, field, false};
   };
-  of_person(kSightDelay, "sight_delay_s", "tau", "s", "delay from a picture to the hand",
+  of_person(kSightDelay, "sight_delay_s", "s", "delay from a picture to the hand",
             &P::sight_delay_s);
-  of_person(kIntentionNoise, "intention_noise_m", "s", "m", "noise of the intended position",
+  of_person(kIntentionNoise, "intention_noise_m", "m", "noise of the intended position",
             &P::intention_noise_m);
-  of_person(kForceNoise, "force_noise", "c", "1", "noise of the hand's force, as a share of it",
+  of_person(kForceNoise, "force_noise", "1", "noise of the hand's force, as a share of it",
             &P::force_noise);
-  of_person(kPressDepth, "press_depth_m", "D", "m", "depth of the target inside the wall",
+  of_person(kPressDepth, "press_depth_m", "m", "depth of the target inside the wall",
             &P::press_depth_m);
-  of_person(kHandStiffness, "hand_stiffness_N_per_m", "K_h", "N/m", "stiffness of the hand",
+  of_person(kHandStiffness, "hand_stiffness_N_per_m", "N/m", "stiffness of the hand",
             &P::hand_stiffness_N_per_m);
-  of_person(kSpeed, "speed_m_per_s", "v0", "m/s", "speed along the contour", &P::speed_m_per_s);
+  of_person(kSpeed, "speed_m_per_s", "m/s", "speed along the contour", &P::speed_m_per_s);
   const NumberRange above_zero{0.0, 1e6, true};
-  all[kDeviceStiffness] = {"stiffness_N_per_m", "K", "N/m",   "stiffness of the device's coupling",
-                           above_zero,          {},  nullptr, false};
-  all[kComfortableDepth] = {"comfortable_depth_m", "e0", "m",     "depth at which the hand slows",
-                            {0.0, 1.0, true},      {},   nullptr, false};
+  all[kDeviceStiffness] = {"stiffness_N_per_m",
+                           "N/m",
+                           "stiffness of the device's coupling",
+                           above_zero,
+                           {},
+                           nullptr,
+                           false};
+  all[kComfortableDepth] = {"comfortable_depth_m",
+                            "m",
+                            "depth at which the hand slows",
+                            {0.0, 1.0, true},
+                            {},
+                            nullptr,
+                            false};
   all[kSweptFollowing] = {
-      "following",          "",      "",  "how the hand follows the turning scene", {},
-      kSweptFollowingNames, nullptr, true};
-  all[kAlign] = {"align",         "",      "",  "rule by which A4 aligns the normal", {},
-                 kAlignmentNames, nullptr, true};
-  all[kStartOrientation] = {
-      "start_orientation_deg", "", "deg",   "turn of the scene about A3 before the trial",
-      kStartRange_deg,         {}, nullptr, false};
-  all[kScale] = {"scale", "", "1", "size of the objects", kScaleRange, {}, nullptr, true};
+      "following", "",  "how the hand follows the turning scene", {}, kSweptFollowingNames,
+      nullptr,     true};
+  all[kAlign] = {"align", "",  "rule by which A4 aligns the normal", {}, kAlignmentNames,
+                 nullptr, true};
+  all[kStartOrientation] = {"start_orientation_deg",
+                            "deg",
+                            "turn of the scene about A3 before the trial",
+                            kStartRange_deg,
+                            {},
+                            nullptr,
+                            false};
+  all[kScale] = {"scale", "1", "size of the objects", kScaleRange, {}, nullptr, true};
   return all;
 }
 
@@ -122,13 +135,6 @@ std::string sweep_value_text(std::size_t parameter, double value) {
   const auto& words = sweep_parameters()[parameter].words;
   if (words.empty()) return short_number(value);
   return std::string(words[static_cast<std::size_t>(value)]);
-}
-
-std::string sweep_parameter_title(std::size_t parameter) {
-  const SweepParameter& of = sweep_parameters()[parameter];
-  std::string text(of.meaning);
-  if (!of.symbol.empty()) text += " " + std::string(of.symbol);
-  return with_unit(text, of.unit == "1" ? "" : of.unit);
 }
 
 }  // namespace palpate

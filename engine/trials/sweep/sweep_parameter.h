@@ -33,9 +33,8 @@ enum SweepParameterIndex : std::size_t {
 
 // A parameter. Its value is a number or one of a few words.
 struct SweepParameter {
-  std::string_view name;    // key of sweep files, column of sweep.csv
-  std::string_view symbol;  // in the documents
-  std::string_view unit;    // "1": dimensionless; empty for words
+  std::string_view name;  // key of sweep files, column of sweep.csv
+  std::string_view unit;  // "1": dimensionless; empty for words
   std::string_view meaning;
   NumberRange valid;                        // of a number
   std::span<const std::string_view> words;  // empty: the value is a number
@@ -58,7 +57,5 @@ void set_sweep_value(ExperimentPlan& plan, std::size_t parameter, double value);
 
 // "0.117", "delayed"
 std::string sweep_value_text(std::size_t parameter, double value);
-// "sight_delay_s"; "press depth D (m)"
-std::string sweep_parameter_title(std::size_t parameter);
 
 }  // namespace palpate

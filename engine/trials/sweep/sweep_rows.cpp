@@ -131,15 +131,6 @@ const std::string& sweep_columns() {
   return columns;
 }
 
-std::optional<double> sweep_cell_mean(const SweepRow& row, std::size_t outcome) {
-  const std::optional<double>& mean = row.means[outcome];
-  if (row.trials == 0 || row.faults > 0 || (row.done > 0 && !mean)) return std::nullopt;
-  if (row.timeouts == 0) return mean;
-  if (kSweepOutcomes[outcome] != Outcome::kTime) return std::nullopt;
-  const double sum_s = mean.value_or(0.0) * row.done + row.limit_s * row.timeouts;
-  return sum_s / (row.done + row.timeouts);
-}
-
 std::vector<SweepRow> sweep_rows(int number, const SweepPoint& point,
                                  std::span<const TrialRow> trials, double limit_s) {
   std::map<std::tuple<int, std::size_t, std::size_t>, std::vector<TrialRow>> cells;
@@ -171,6 +162,10 @@ std::vector<SweepRow> sweep_rows(int number, const SweepPoint& point,
 
 void add_sweep_row(CsvLines& lines, const SweepRow& row) {
   write_row(sweep_table(), row, lines);
+}
+
+std::string sweep_columns_csv() {
+  return columns_text(sweep_table());
 }
 
 Result<std::vector<SweepRow>> parse_sweep_rows(std::string_view text, const std::string& path) {

@@ -45,17 +45,14 @@ const CsvTable<SweepRow>& sweep_table();
 // timeouts, faults, limit_s, and the measures with their names in trials.csv.
 const std::string& sweep_columns();
 
-// The value of a row in rankings and figures, by the index of a measure in kSweepOutcomes. It does
-// not depend on which trials a condition makes too hard to complete. The total time counts the
-// limit for a timeout. The other measures have a value only if all trials were done. No measure has
-// a value if a trial ended with a fault.
-std::optional<double> sweep_cell_mean(const SweepRow& row, std::size_t outcome);
-
 // The rows of a point, by participant and condition, from its trials (trials.csv). limit_s: the
 // time limit of these trials.
 std::vector<SweepRow> sweep_rows(int number, const SweepPoint& point,
                                  std::span<const TrialRow> trials, double limit_s);
 void add_sweep_row(CsvLines& lines, const SweepRow& row);
+
+// The text of columns.csv: name, unit, meaning and values of each column.
+std::string sweep_columns_csv();
 
 // Reads sweep.csv as add_sweep_row() writes it. Errors, with the line and the column: any other
 // content. path: for messages.

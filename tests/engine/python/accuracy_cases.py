@@ -1,7 +1,7 @@
 """What `palpate accuracy` measured in three cases, and the pages that C++ made of them.
 
 star: all knobs and a scene. gallery: five knobs, a scene with surfaces of their own, an exact
-encoder and a stated delay. sample: made-up knobs (`make_report accuracy`), one of them with hostile
+encoder and a stated delay. sample: made-up knobs, one of them with hostile
 texts.
 """
 

@@ -1,5 +1,5 @@
-"""The statistics agree with R 4.2 (r/constants.R wrote r/constants.json): to 1e-8; effects of mixed models
-to 1e-4 and their variances to 1e-3, because the optimisers differ."""
+"""The statistics agree with R 4.2 (r/constants.R wrote r/constants.json): to 1e-8; effects of mixed
+models to 1e-4 and their variances to 1e-3, because the optimisers differ."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def trials(name: str) -> pd.DataFrame:
 
 
 def public(name: str) -> pd.DataFrame:
-    return pd.read_csv(HERE.parent / "analysis" / "data" / f"{name}.csv")
+    return pd.read_csv(HERE / "data" / f"{name}.csv")
 
 
 @pytest.fixture(scope="module")
@@ -145,11 +145,14 @@ def test_counts_with_time_as_exposure_agree(name: str) -> None:
 def test_mixed_models_agree(name: str) -> None:
     frame, expected = trials(name.split("_")[0]), R["mixed"][name]
     frame["condition"] = frame["haptic"].astype(str) + frame["rotation"].astype(str)
-    model = smf.mixedlm(f"time_s ~ {sums('haptic', 'rotation')} + C(object, Sum) + C(block, Sum)", frame,
-                        groups="person", re_formula="1", vc_formula={"condition": "0 + C(condition)"})
+    model = smf.mixedlm(f"time_s ~ {sums('haptic', 'rotation')} + C(object, Sum) + C(block, Sum)",
+                        frame,
+                        groups="person", re_formula="1",
+                        vc_formula={"condition": "0 + C(condition)"})
     fit = model.fit(reml=True, method=["lbfgs"])
     has_values(fit.fe_params, expected["fixed"], 1e-4, 1e-6)
-    has_values(fit.bse_fe, expected["standard_errors"], 5e-3)  # of the joint Hessian, not given the variances
+    has_values(fit.bse_fe, expected["standard_errors"],
+               5e-3)  # of the joint Hessian, not given the variances
     assert fit.cov_re.iloc[0, 0] == equal(expected["variance_person"], 1e-3)
     assert fit.vcomp[0] == equal(expected["variance_condition"], 1e-3)
     assert fit.scale == equal(expected["variance_residual"], 1e-3)
@@ -158,7 +161,8 @@ def test_mixed_models_agree(name: str) -> None:
 
 # --- Pairs
 
-@pytest.mark.parametrize("expected", R["pairs"], ids=lambda pair: f"{pair['first']}-{pair['second']}")
+@pytest.mark.parametrize("expected", R["pairs"],
+                         ids=lambda pair: f"{pair['first']}-{pair['second']}")
 def test_pairs_agree(balanced: pd.DataFrame, expected: dict[str, Any]) -> None:
     means = balanced.pivot_table("time_s", "person", "haptic", observed=True)
     first, second, margin = (expected[key] for key in ("first", "second", "margin"))
@@ -196,7 +200,8 @@ def test_power_of_the_paired_t_agrees(given: dict[str, Any]) -> None:
     assert found == equal(given["power"], unit=NONCENTRAL)
 
 
-@pytest.mark.parametrize("given", R["power_of_f"], ids=lambda given: f"{given['df1']}, {given['df2']}")
+@pytest.mark.parametrize("given", R["power_of_f"],
+                         ids=lambda given: f"{given['df1']}, {given['df2']}")
 def test_power_of_f_agrees(given: dict[str, Any]) -> None:
     df1, df2 = given["df1"], given["df2"]
     f, ncp = st.f_for_tail(0.05, df1, df2), given["ncp"]
@@ -216,7 +221,8 @@ def test_intervals_of_partial_eta2_agree(given: dict[str, Any]) -> None:
             assert 1.0 - st.f_tail(f, df1, df2) < tail, key
 
 
-@pytest.mark.parametrize("given", R["shares"], ids=lambda given: f"{given['count']} of {given['all']}")
+@pytest.mark.parametrize("given", R["shares"],
+                         ids=lambda given: f"{given['count']} of {given['all']}")
 def test_intervals_of_shares_agree(given: dict[str, Any]) -> None:
     count, all_ = given["count"], given["all"]
     low, high = st.wilson(count, all_)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import re
 from collections import Counter
 
@@ -19,8 +20,13 @@ from numbers_agree import Zero, assert_agree, assert_tables_agree
 from oracle_cases import cases, table_of
 from page_text import visible_text
 from palpate.analysis.errors import InputError
-from palpate.analysis.experiment import command, page
+from palpate.analysis.experiment import analysis, command, page
+from palpate.analysis.experiment.tables import TABLES
+from palpate.analysis.experiment.variances import Variances
 
+LATER = ("verdicts", "variances", "loss_rates")  # tables
+# People lead since then, and the texts count people and simulated persons apart.
+MIXED = {"people_and_simulated", "people_and_simulated_with_both_views"}
 # The program refuses these before it starts Python.
 BY_THE_PROGRAM = {"refused_canonical_file", "refused_limit"}
 ZEROS = [
@@ -47,6 +53,10 @@ def no_drawing(figure, name, title):
     return Markup("<svg></svg>")
 
 
+def no_parts(experiment, outcome):
+    return Variances(math.nan, math.nan, math.nan, 0, 0)
+
+
 def run(case, folder, monkeypatch):
     case.put_inputs(folder)
     monkeypatch.chdir(folder)
@@ -60,14 +70,17 @@ def run(case, folder, monkeypatch):
 @pytest.mark.parametrize("case", cases("analyse", refused=False), ids=lambda case: case.name)
 def test_report_has_the_numbers_and_texts(case, tmp_path, monkeypatch):
     monkeypatch.setattr(page, "svg", no_drawing)
+    monkeypatch.setattr(analysis, "parts_of_variance", no_parts)
     report = run(case, tmp_path, monkeypatch)
-    assert sorted(report.files) == sorted([*case.results, "verdicts.csv"])
-    assert case.stdout.splitlines()[0] == report.text.splitlines()[0]
+    assert sorted(report.files) == sorted([*case.results, *(f"{name}.csv" for name in LATER)])
+    if case.name not in MIXED:
+        assert case.stdout.splitlines()[0] == report.text.splitlines()[0]
     warnings = [f"palpate: warning: {line}" for line in report.warnings]
     assert Counter(warnings) == Counter(case.stderr.splitlines())
     found, expected = json.loads(report.files["analysis.json"]), case.json("analysis.json")
-    assert [name for name in found if name != "verdicts"] == list(expected)
-    del found["verdicts"]
+    assert [name for name in found if name not in LATER] == list(expected)
+    for name in LATER:
+        del found[name]
     for name in found:
         if f"{name}.csv" in report.files:
             rows = table_of(report.files[f"{name}.csv"])
@@ -76,18 +89,27 @@ def test_report_has_the_numbers_and_texts(case, tmp_path, monkeypatch):
                 assert heads == list(expected[name][0])
             texts = [heads, *([cell(row[head]) for head in heads] for row in found[name])]
             assert_tables_agree(rows, texts, [], name)
+    if case.name in MIXED:
+        for each in (found, expected):
+            each["operators"].sort(key=whose)
+            for name in set(each) & set(TABLES):
+                each[name].sort(key=whose)
     align(case, found, expected)
     assert_agree(found, expected, ZEROS, case.name)
-    assert_same_text(below_the_box(report.files["report.html"]),
-                     below_the_box(case.text("report.html")))  # fmt: skip
+    if case.name not in MIXED:
+        assert_has_lines(sections(report.files["report.html"]), sections(case.text("report.html")))
 
 
-def below_the_box(html):
-    """The lines from the first operator on, without the explanations of the verdicts."""
-    lines = visible_text(html[html.index('<section class="operator"'):])
-    begins = ("When does", "Findings without", "Significant p values are bold. The",
-              "Why two analyses?")  # fmt: skip
-    return [line for line in lines if not line.startswith(begins)]
+def whose(row):
+    return row["following"], row["view"], row["scale"]
+
+
+def sections(html):
+    """The lines of the operators and of the facts, without explanations of methods."""
+    operators = html[html.index('<section class="operator"'): html.index('<section id="explanations"')]
+    facts = html[html.index('<section id="facts"'):]
+    lines = visible_text(operators) + visible_text(facts)
+    return [line for line in lines if not line.startswith("Significant p values are bold. The")]
 
 
 def cell(value):
@@ -122,20 +144,23 @@ def align(case, found, expected):
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
-def assert_close_texts(found, expected):
-    """Numbers differ at most by one in the last printed digit, as of 22.125; what is 0 in exact
-    arithmetic may be a rounding."""
-    assert NUMBER.sub("#", found) == NUMBER.sub("#", expected)
+def are_close(found, expected):
+    """Whether numbers differ at most by one in the last printed digit, as of 22.125; what is 0 in
+    exact arithmetic may be a rounding."""
+    if NUMBER.sub("#", found) != NUMBER.sub("#", expected):
+        return False
     for mine, theirs in zip(NUMBER.findall(found), NUMBER.findall(expected)):
         decimals = len(theirs.partition(".")[2])
-        assert float(mine) == pytest.approx(float(theirs), abs=1.01 * 10.0**-decimals)
+        if abs(float(mine) - float(theirs)) > 1.01 * 10.0**-decimals:
+            return False
+    return True
 
 
-def assert_same_text(found, expected):
-    assert len(found) == len(expected)
-    for mine, theirs in zip(found, expected):
-        if mine != theirs:
-            assert_close_texts(mine, theirs)
+def assert_has_lines(found, expected):
+    """The expected lines are among the found ones, in their order."""
+    rest = iter(found)
+    for line in expected:
+        assert any(mine == line or are_close(mine, line) for mine in rest), line
 
 
 @pytest.mark.parametrize("case", cases("analyse", refused=True), ids=lambda case: case.name)

@@ -26,7 +26,8 @@ from palpate.analysis.statistics import effect_name
 from sample_trials import SampleTrials, SeededRandom, sample_trials
 
 FILES = {"report.html", "analysis.json", "effects.csv", "comparisons.csv", "means.csv",
-         "missing_trials.csv", "findings.csv", "verdicts.csv", "differences.csv"}  # fmt: skip
+         "missing_trials.csv", "findings.csv", "verdicts.csv", "variances.csv", "loss_rates.csv",
+         "differences.csv"}  # fmt: skip
 SIMULATED = SampleTrials(followings=ALL_FOLLOWINGS, has_timeouts=True)
 DIGITS = 1e-9  # of numbers in files
 
@@ -97,6 +98,8 @@ def test_each_row_of_a_table_is_named_once(people, tmp_path):
         "missing_trials": ["following", "haptic", "rotation", "object"],
         "findings": ["following", "finding"],
         "verdicts": ["following", "finding", "comparison"],
+        "variances": ["following", "outcome"],
+        "loss_rates": ["following", "pair"],
     }
     two = written(sample_trials(SampleTrials(followings=("delayed", "frozen"))), tmp_path)
     for report in (people, two):
@@ -321,8 +324,27 @@ def test_simulated_operators_are_named_and_people_are_not(simulated, people, tmp
     assert "imulated" not in people.text
     both = sample_trials(SampleTrials(followings=("delayed",))) + sample_trials()
     mixed = written(both, tmp_path)
-    assert "1440 trials of 10 people and simulated operators" in mixed.text
+    assert mixed.text.startswith(
+        "720 trials of 10 people; missing: none\n"
+        "720 trials of 10 simulated operators (delayed); missing: none\n"
+        "the paper's 17 findings, people: "
+    )
     assert "between followings" not in page_of(mixed)
+
+
+# People lead, and nothing pools the two.
+def test_people_lead_a_mixed_file(people, tmp_path):
+    simulated = sample_trials(SampleTrials(followings=("delayed",), effects=-1.0, participants=4))
+    mixed = written(simulated + sample_trials(), tmp_path)
+    sections = re.findall(r'<section class="operator" id="(\w+)"', page_of(mixed))
+    assert sections == ["people", "delayed"]
+    facts = dict(re.findall(r"<dt>([^<]+)</dt><dd>([^<]+)</dd>", page_of(mixed)))
+    assert facts["Trials, people"] == "720 (practice is left out)"
+    assert facts["Trials, simulated operators"] == "288 (practice is left out)"
+    for table in ("effects", "comparisons", "means", "missing_trials", "verdicts"):
+        of_people = where(rows_of(mixed, table), following="people")
+        assert of_people == rows_of(people, table)
+        assert {row["following"] for row in rows_of(mixed, table)} == {"people", "delayed"}
 
 
 def test_text_for_the_terminal_is_short_and_states_the_verdicts(simulated, simulated_analysis):
@@ -332,7 +354,7 @@ def test_text_for_the_terminal_is_short_and_states_the_verdicts(simulated, simul
     leading = simulated_analysis.operators[0]
     agree = texts.verdict_counts(leading)[AGREES]
     assert f"the paper's 17 findings, delayed: {agree} agree{'s' * (agree == 1)}" in text
-    assert text.count("\n") <= 3 + 10 + 3
+    assert text.count("\n") <= 4 + 10 + 3
     effects = defaultdict(list)
     for result in leading.findings:
         label = f"\n  {result.verdict:<14}"
@@ -345,6 +367,32 @@ def test_text_for_the_terminal_is_short_and_states_the_verdicts(simulated, simul
         assert f"{label}MANOVA: effects of {', '.join(names)}\n" in text
         item = f"<li><strong>MANOVA</strong>: effects of {', '.join(names)}</li>"
         assert item in page_of(simulated)
+
+
+# What simulated persons cannot show by construction comes first.
+def test_page_and_terminal_first_say_what_is_no_evidence(simulated, people, people_analysis):
+    lines = visible_text(page_of(simulated))
+    begin = lines.index("What agrees with the paper")
+    assert lines[begin + 1].startswith(
+        "What simulated persons cannot show. 5 of the 17 findings are no evidence about people"
+    )
+    # The sample's persons: 0.4 mm times their random numbers.
+    assert "standard deviation between the persons (delayed) of their mean penetration is NoH 0." in (
+        lines[begin + 1]
+    )
+    names = [line.partition(": ")[0] for line in lines[begin + 2 : begin + 7]]
+    assert names == [
+        "total time, Rotation",
+        "losses of contact, Haptic",
+        "mean penetration, Haptic",
+        "mean contact angle, Rotation",
+        "MANOVA, Trial",
+    ]
+    assert simulated.text.splitlines()[2].startswith("no evidence, because simulated persons are")
+    assert page_of(simulated).count(">simulated: no evidence</span>") == 5
+    assert "no evidence" not in page_of(people)
+    assert "no evidence" not in people.text
+    assert people_analysis.experiment.is_simulated is False
 
 
 def test_what_the_file_does_not_have_is_left_out(tmp_path):

@@ -56,7 +56,8 @@ def _number_difference(
         if fnmatchcase(path, zero.paths) and max(abs(found), abs(expected)) <= zero.within:
             return None
     size = max(abs(found), abs(expected))
-    return f"{path}: is {found!r}; expected {expected!r} (relative {abs(found - expected) / size:.2g})"
+    share = abs(found - expected) / size
+    return f"{path}: is {found!r}; expected {expected!r} (relative {share:.2g})"
 
 
 def _is_number(value: Any) -> bool:
@@ -68,8 +69,8 @@ def differences(
 ) -> Iterator[str]:
     """The differences of two JSON trees, one line each, such as "$.effects[3].p: is 1; expected 2".
 
-    Keys and strings must be equal, in any order of keys; numbers agree to RELATIVE, p-values below TAIL to
-    RELATIVE_IN_TAIL. 1 and 1.0 are the same number.
+    Keys and strings must be equal, in any order of keys; numbers agree to RELATIVE, p-values below
+    TAIL to RELATIVE_IN_TAIL. 1 and 1.0 are the same number.
     """
     if _is_number(found) and _is_number(expected):
         difference = _number_difference(found, expected, path, name, zeros)
@@ -100,7 +101,8 @@ def _number(text: str) -> float | None:
 def table_differences(
     found: Sequence[Sequence[str]], expected: Sequence[Sequence[str]], zeros: Sequence[Zero] = ()
 ) -> Iterator[str]:
-    """The differences of two tables whose first rows are the names of the columns: "line 3, column p: ..."."""
+    """The differences of two tables whose first rows are the names of the columns, such as
+    "line 3, column p: is 1; expected 2"."""
     if not found or list(found[0]) != list(expected[0]):
         yield f"line 1: is {found[:1]}; expected {expected[:1]}"
         return

@@ -15,7 +15,8 @@ from oracle_cases import ORACLE, Case, cases, table_of  # noqa: E402
 from page_text import svg_texts, tables_of, visible_text, without_drawings  # noqa: E402
 from sample_trials import SeededRandom, sample_trials, trials_csv  # noqa: E402
 
-TREE = {"effects": [{"effect": "Haptic", "f": 12.25, "p": 3e-4}, {"effect": "Trial", "f": None, "p": 4e-20}],
+TREE = {"effects": [{"effect": "Haptic", "f": 12.25, "p": 3e-4},
+                    {"effect": "Trial", "f": None, "p": 4e-20}],
         "n": 10, "simulated": True}
 
 
@@ -38,9 +39,11 @@ def changed(*path: str | int, to: object) -> object:
     (("simulated",), 1, "$.simulated: is 1; expected True"),
     (("n",), "10", "$.n: is '10'; expected 10"),
     (("more",), 1, "$.more: is not expected"),
-    (("effects",), TREE["effects"][:1], "$.effects: has 1 elements; expected 2"),  # type: ignore[index]
+    (("effects",), TREE["effects"][:1], "$.effects: has 1 elements; expected 2"),
+    # type: ignore[index]
 ])
-def test_a_difference_is_found_with_its_place(path: tuple[str | int, ...], to: object, told: str) -> None:
+def test_a_difference_is_found_with_its_place(path: tuple[str | int, ...], to: object,
+                                              told: str) -> None:
     found = list(differences(changed(*path, to=to), TREE))
     assert len(found) == 1 and found[0].startswith(told), found
     with pytest.raises(AssertionError, match="1 differences"):
@@ -48,8 +51,10 @@ def test_a_difference_is_found_with_its_place(path: tuple[str | int, ...], to: o
 
 
 @pytest.mark.parametrize("path, to", [
-    (("effects", 0, "f"), 12.25 * (1 + 0.5e-9)), (("effects", 1, "p"), 4e-20 * (1 + 0.5e-6)), (("n",), 10.0)])
-def test_what_agrees_within_the_tolerance_is_no_difference(path: tuple[str | int, ...], to: object) -> None:
+    (("effects", 0, "f"), 12.25 * (1 + 0.5e-9)), (("effects", 1, "p"), 4e-20 * (1 + 0.5e-6)),
+    (("n",), 10.0)])
+def test_what_agrees_within_the_tolerance_is_no_difference(path: tuple[str | int, ...],
+                                                           to: object) -> None:
     assert_agree(changed(*path, to=to), TREE)
 
 
@@ -70,7 +75,8 @@ TABLE = [["effect", "f", "p_holm"], ["Haptic", "12.25", "1e-20"], ["Trial", "", 
     (2, 0, "trial", "line 3, column effect: "),
     (0, 0, "Effect", "line 1: is [["),
 ])
-def test_a_difference_of_tables_is_found_with_its_place(line: int, column: int, to: str, told: str) -> None:
+def test_a_difference_of_tables_is_found_with_its_place(line: int, column: int, to: str,
+                                                        told: str) -> None:
     table = copy.deepcopy(TABLE)
     table[line][column] = to
     found = list(table_differences(table, TABLE))
@@ -86,16 +92,19 @@ def test_p_values_are_known_by_their_names() -> None:
 
 
 def test_numbers_of_a_text_keep_their_order() -> None:
-    assert numbers_in("F(2, 18) = 0.433, p < .05; \u22120.30 s, 1e-7, P2") == [2, 18, 0.433, 0.05, -0.3, 1e-7]
+    assert numbers_in("F(2, 18) = 0.433, p < .05; \u22120.30 s, 1e-7, P2") == [2, 18, 0.433, 0.05,
+                                                                               -0.3, 1e-7]
 
 
 PAGE = """<style>p {}</style><h1>A  page</h1><p>One <b>bold</b>&nbsp;word<br>and more</p>
 <table><tr><th>n</th><th>p<br>(Holm)</th></tr><tr><td>3</td><td>&lt; 0.05</td></tr></table>
-<svg aria-label="figure" width="3"><g><title>Time</title><text x="1">27 <tspan>s</tspan></text></g></svg>"""
+<svg aria-label="figure" width="3"><g><title>Time</title><text x="1">27 <tspan>s</tspan></text></g>
+</svg>"""
 
 
 def test_the_texts_of_a_page() -> None:
-    assert visible_text(PAGE) == ["A page", "One bold word", "and more", "n | p / (Holm)", "3 | < 0.05"]
+    assert visible_text(PAGE) == ["A page", "One bold word", "and more", "n | p / (Holm)",
+                                  "3 | < 0.05"]
     assert tables_of(PAGE) == [[["n", "p / (Holm)"], ["3", "< 0.05"]]]
     assert svg_texts(PAGE) == ["Time", "27 s"]
     reduced = without_drawings(PAGE)
@@ -125,7 +134,8 @@ def test_each_case_has_what_its_index_says(kind: str, tmp_path: Path) -> None:
         for content in case.expected.values():
             assert b"/tmp/" not in content and b"/home/" not in content
     found[0].put_inputs(tmp_path)
-    assert sorted(p.name for p in tmp_path.iterdir()) == sorted({n.split("/")[0] for n in found[0].inputs})
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted({n.split("/")[0]
+                                                                 for n in found[0].inputs})
 
 
 def test_the_sample_of_the_oracle_is_that_of_the_function() -> None:

@@ -1,4 +1,4 @@
-"""The cases of the oracle (oracle/README.md): inputs of a command, and what the C++ printed and wrote.
+"""The cases of the oracle (oracle/README.md): inputs of a command, and what C++ printed and wrote.
 
     for case in cases("analyse"):
         case.put_inputs(tmp_path)              # trials.csv, ...; paths in case.arguments are in it
@@ -97,7 +97,7 @@ class Case:
 
     @property
     def expected(self) -> Files:
-        """stdout, stderr and each result. Pages and figures have only their texts (oracle/README.md)."""
+        """stdout, stderr and each result. Pages and figures have only their texts."""
         return archived(ORACLE / self.kind / "expected.tar.xz")[self.name]
 
     @property
@@ -121,7 +121,7 @@ class Case:
         return json.loads(self.expected[name])
 
     def csv(self, name: str) -> list[list[str]]:
-        """The first line and the rows. A table whose rows are in a JSON result, too, is taken from there."""
+        """The first line and the rows; from a JSON result, if it has the same rows."""
         in_json = self.index.get("as_in_json", {}).get(name)
         if in_json:
             return as_table(self.json(in_json)[name.removesuffix(".csv")])
@@ -132,6 +132,7 @@ class Case:
 
 
 def cases(kind: str, *, refused: bool | None = None) -> list[Case]:
-    """All cases of a kind (a folder of the oracle), by name. refused: only those with an error, or without."""
+    """All cases of a kind (a folder of the oracle), by name. refused: only those with an error, or
+    only those without."""
     found = [Case(kind, name) for name in sorted(index_of(kind))]
     return [each for each in found if refused is None or refused == (each.exit_code == 2)]

@@ -24,7 +24,14 @@ from palpate.analysis.power.notes import notes
 from palpate.analysis.power.page import page_of
 from palpate.analysis.power.question import prepare
 from palpate.analysis.power.simulation import simulate
-from palpate.analysis.power.texts import facts, lines, pilot_pairs, terminal_text
+from palpate.analysis.power.texts import (
+    answer_number,
+    answer_rest,
+    facts,
+    lines,
+    pilot_pairs,
+    terminal_text,
+)
 
 MADE = cases("power", refused=False)
 CHECKED_BY_THE_PROGRAM = "(see palpate experiment power --help)"
@@ -58,7 +65,8 @@ def answers(tmp_path_factory):
 
 
 def without_counts(json_of_case):
-    """Numbers of simulated data sets are replaced by their number."""
+    """Numbers of simulated data sets are replaced by their number; the oracle has no `answer`."""
+    json_of_case.pop("answer", None)
     for assumption in json_of_case["assumptions"]:
         for test in assumption["tests"]:
             for key in ("people", "people_bounds", "significant"):
@@ -89,6 +97,57 @@ def test_powers_agree_with_the_oracle(answers, case):
     assert off.max() < 4.5
 
 
+@pytest.mark.parametrize("case", MADE, ids=str)
+def test_the_answer_is_the_largest_number_of_its_effects(answers, case):
+    found = answers(case)
+    answer = json.loads(json_text(found.as_json([])))["answer"]
+    effects = found.needed_people()
+    effects = effects[(effects["correction"] != "Holm") & (effects["has_effect"] == 1)]
+    corrected = effects.groupby(["error_from", "share_u", "share_w", "test"], sort=False).tail(1)
+    if corrected.empty:
+        assert answer["people"] is None and answer["tests"] == []
+        assert answer_number(found) == "no number of people"
+        return
+    people = corrected["people_for_0.8"].astype(float).fillna(found.most + 1)
+    of_models = corrected.assign(people=people.astype(int)).groupby(
+        ["error_from", "share_u", "share_w"], sort=False)["people"].max()
+    shown = [None if n > found.most else n for n in (of_models.min(), of_models.max())]
+    assert answer["over_all_assumptions"] == shown
+    assumption = answer["assumption"]
+    at = tuple(assumption[key] if key == "error_from" else f"{assumption[key]:.6g}"
+               for key in ("error_from", "share_u", "share_w"))
+    people = of_models[at]
+    assert answer["people"] == (None if people > found.most else people)
+    assert answer_number(found) == (f"{people} people" if people <= found.most
+                                    else f"more than {found.most} people")
+    assert [test.split(", ")[0] for test in answer["tests"]] == list(dict.fromkeys(effects["test"]))
+
+
+# A grid has one case that is named; what is given is used.
+@pytest.mark.parametrize("options, source, shares, is_choice", [
+    ([], "paper, F of Rotation", (0.3, 0.1), True),
+    (["--measure=losses"], "paper, F of Haptic", (0.3, 0.1), True),
+    (["--share-w=0.8"], "paper, F of Rotation", (0.1, 0.8), True),
+    (["--share-u=0.8"], "paper, F of Rotation", (0.8, 0.1), True),
+    (["--share-u=0.2", "--share-w=0.4"], "paper, F of Rotation", (0.2, 0.4), False),
+    (["--error=9"], "--error", (0.3, 0.1), True),
+])
+def test_the_answer_names_its_assumption(options, source, shares, is_choice):
+    found = answers_of(*options, "--sets=100", "--participants=4")
+    row = found.study.assumptions.iloc[found.answer.model]
+    assert (row["error_from"], (row["share_u"], row["share_w"])) == (source, shares)
+    text = answer_rest(found)
+    assert f"with the shares u {shares[0]} and w {shares[1]}" in text
+    assert ("which are a choice" in text) == is_choice
+
+
+def test_the_answer_is_that_of_the_larger_error():
+    for measure in ("time", "losses", "penetration"):
+        found = answers_of(f"--measure={measure}", "--share-u=0.3", "--share-w=0.1", "--sets=400")
+        assert found.answer.model == found.by_noise[-1]
+        assert found.answer.people == found.answer.most >= found.answer.least
+
+
 def is_simulated(line):
     """Whether a line of the terminal has numbers of the simulation."""
     return line.startswith("  ") and ", " in line
@@ -97,7 +156,8 @@ def is_simulated(line):
 @pytest.mark.parametrize("case", MADE, ids=str)
 def test_the_text_for_the_terminal_is_the_oracles(answers, case):
     found = answers(case)
-    text = terminal_text(found, notes(found.study)).splitlines()
+    answer, blank, *text = terminal_text(found, notes(found.study)).splitlines()
+    assert answer == f"{answer_number(found)} {answer_rest(found)}" and not blank
     expected = case.stdout.splitlines()
     assert expected.pop() == "report.html, power.json and 2 tables are in power/"  # by the program
     assert len(text) == len(expected)
@@ -148,7 +208,12 @@ def test_the_page_has_the_oracles_texts(page):
     def plain_lines(document):
         return [line for line in visible_text(document) if " | " not in line]
 
-    assert plain_lines(html) == plain_lines(case.text("report.html").replace("`", ""))
+    lines_here = plain_lines(html)
+    assert lines_here[2] == "How many people"
+    assert lines_here.pop(3) == f"{answer_number(found)} {answer_rest(found)}"
+    sets = f"share of n = {found.sets} simulated data sets"
+    lines_here = [line.replace(sets, "simulated share") for line in lines_here]
+    assert lines_here == plain_lines(case.text("report.html").replace("`", ""))
     expected = tables_of(case.text("report.html"))
     for table, other in zip(tables_of(html), expected, strict=True):
         assert table[0] == other[0]

@@ -1,4 +1,4 @@
-"""Artificial trials for tests: the paper's means with random scatter between people and between trials.
+"""Artificial trials for tests: the paper's means with scatter between people and between trials.
 
 They are those of the former C++ tests, number by number up to the last digit of log and cos.
 """
@@ -55,7 +55,7 @@ class SeededRandom:
 
 @dataclass(frozen=True)
 class SampleTrials:
-    """The settings of a sample. effects: 0 is no effect of Haptic and Rotation; 1 is that of the paper."""
+    """The settings of a sample. effects: of Haptic and Rotation; 0 is none, 1 that of the paper."""
 
     followings: tuple[str, ...] = ("",)  # "": people
     participants: int = 10
@@ -110,7 +110,8 @@ def _add(draws: _Draws, row: dict[str, Any], place: float) -> None:
 
 
 def sample_trials(sample: SampleTrials = SampleTrials()) -> list[dict[str, Any]]:
-    """The rows of trials.csv, as columns and values. Block 0 is practice; its times are a hundred times too long."""
+    """The rows of trials.csv, as columns and values. Block 0 is practice; its times are a hundred
+    times too long."""
     draws = _Draws(SeededRandom(sample.seed), sample)
     for following in sample.followings:
         for participant in range(1, sample.participants + 1):
@@ -126,14 +127,16 @@ def sample_trials(sample: SampleTrials = SampleTrials()) -> list[dict[str, Any]]
     return draws.rows
 
 
-MEASURES = ("total_time_s", "losses_of_contact", "losses_100ms", "losses_per_s", "mean_penetration_m",
+MEASURES = ("total_time_s", "losses_of_contact", "losses_100ms", "losses_per_s",
+            "mean_penetration_m",
             "mean_penetration_dm", "mean_contact_angle_deg")
 COLUMNS = ("following", "participant", "block", "trial", "haptic", "rotation", "object", "attempt",
            "status") + MEASURES
 
 
 def trials_csv(rows: list[dict[str, Any]], columns: tuple[str, ...] = COLUMNS) -> str:
-    """The text of trials.csv. What a row does not have is an empty field; numbers have the fewest exact digits."""
+    """The text of trials.csv. What a row does not have is an empty field; numbers have the fewest
+    digits that identify them."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)

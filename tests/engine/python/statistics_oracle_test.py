@@ -46,7 +46,8 @@ def test_repeated_measures_are_those_of_the_oracle(name: str) -> None:
     levels = {f"f{i}": k for i, k in enumerate(given["levels"])}
     found = st.repeated_measures_of(given["table"], levels)
     effects = [{"term": [int(f[1:]) for f in e.term],
-                **members(e, "ss error_ss f df1 df2 p epsilon p_gg generalized_eta2")} for e in found.effects]
+                **members(e, "ss error_ss f df1 df2 p epsilon p_gg generalized_eta2")}
+               for e in found.effects]
     widths = [plain(width) for width in st.cousineau_morey(given["table"])]
     assert_agree({"participants_ss": plain(found.participants_ss), "effects": effects,
                   "cousineau_morey": widths}, expected, REPEATED_ZEROS, name)
@@ -72,10 +73,12 @@ def test_factorial_models_are_those_of_the_oracle(name: str) -> None:
         if singular is None:
             test = fit.wilks(term)
             wilks = {"lambda": plain(test.wilks_lambda), **members(test, "f df1 df2 p")}
-        found.append({"term": [factors.index(f) for f in term], "df": fit.term_parts[term].shape[-2],
+        found.append({"term": [factors.index(f) for f in term],
+                      "df": fit.term_parts[term].shape[-2],
                       "responses": responses, "wilks": wilks})
     errors = [plain(fit.mean_square_error(k)) for k in range(y.shape[1])]
-    assert_agree({"error_df": fit.error_df, "mean_square_error": errors, "singular_response": singular,
+    assert_agree({"error_df": fit.error_df, "mean_square_error": errors,
+                  "singular_response": singular,
                   "terms": found}, expected, what=name)
 
 
@@ -118,20 +121,23 @@ def test_wilsons_intervals_are_those_of_the_oracle() -> None:
 
 
 def test_adjusted_p_values_are_those_of_the_oracle() -> None:
-    found = [[plain(p) for p in st.holm([nan if p is None else p for p in ps]).tolist()] for ps in INPUT["holm"]]
+    found = [[plain(p) for p in st.holm([nan if p is None else p for p in ps]).tolist()]
+             for ps in INPUT["holm"]]
     assert_agree(found, EXPECTED["holm"])
 
 
 def test_least_significant_differences_are_those_of_the_oracle() -> None:
     found = []
     for given in INPUT["plsd"]:
-        pairs = st.fisher_plsd(pd.Series(given["means"]), pd.Series(given["counts"]), given["mse"], given["df"])
+        pairs = st.fisher_plsd(pd.Series(given["means"]), pd.Series(given["counts"]), given["mse"],
+                               given["df"])
         found.append(pairs.to_dict("records"))
     assert_agree(found, EXPECTED["plsd"])
 
 
 def test_raos_f_is_that_of_the_oracle() -> None:
-    found = [{name: plain(value) for name, value in vars(st.rao(*arguments)).items() if name != "wilks_lambda"}
+    found = [{name: plain(value) for name,
+              value in vars(st.rao(*arguments)).items() if name != "wilks_lambda"}
              for arguments in INPUT["rao"]]
     expected = [dict(zip(("f", "df1", "df2", "p"), values)) for values in EXPECTED["rao"]]
     assert_agree(found, expected, P_ZEROS)

@@ -11,7 +11,7 @@ import pytest
 
 from palpate.analysis import statistics as st
 
-DATA = Path(__file__).parent.parent / "analysis" / "data"
+DATA = Path(__file__).parent / "data"
 RELATIVE = 1e-9
 
 

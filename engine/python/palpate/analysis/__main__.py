@@ -23,6 +23,7 @@ COMMANDS = {
     "canonical": "palpate.analysis.canonical.command",
     "strategies": "palpate.analysis.strategies.command",
     "accuracy": "palpate.analysis.accuracy.command",
+    "results": "palpate.analysis.results.command",
 }
 
 

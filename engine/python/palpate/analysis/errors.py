@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import unicodedata
+import re
 
-# Characters that are drawn as nothing, so that two different names could look alike.
-_INVISIBLE = frozenset([0x00AD, 0x034F, 0x061C, 0x115F, 0x1160, 0x17B4, 0x17B5, 0x180E, 0x3164,
-                        0xFEFF, 0xFFA0, *range(0x180B, 0x180E), *range(0x200B, 0x2010),
-                        *range(0x2028, 0x202F), *range(0x2060, 0x2070), *range(0xE0000, 0xE0080)])
-_NOT_TEXT = ("Cc", "Cs", "Zl", "Zp")
+# Control and bidirectional characters, and those that are drawn as nothing, so that two different
+# names could look alike (geometry/base/printable.h).
+_CONTROL = re.compile(
+    "[\x00-\x1f\x7f-\x9f\xad\u034f\u061c\u115f\u1160\u17b4\u17b5\u180e\u200b-\u200f"
+    "\u2028-\u202e\u2060-\u206f\u3164\ufeff\uffa0\U000e0000-\U000e00ff]")
+_BROKEN = re.compile("[\ud800-\udfff\ufffe\uffff]")  # a byte that is not UTF-8, a noncharacter
 
 
 def printable(text: str) -> str:
-    """Return the text with a space for each control, bidirectional or invisible character."""
+    """Return the text with a space for each control, bidirectional or invisible character, and "?"
+    for each byte of what is not valid UTF-8."""
     if text.isascii() and text.isprintable():
         return text
-    return "".join(
-        " " if ord(c) in _INVISIBLE or unicodedata.category(c) in _NOT_TEXT else c for c in text
-    )
+    text = _BROKEN.sub(lambda c: "?" if c[0] <= "\udfff" else "???", text)
+    return _CONTROL.sub(" ", text)
 
 
 class InputError(Exception):

@@ -16,11 +16,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from palpate.analysis.errors import InputError, printable
+from palpate.analysis.numbers import as_printed
 
 MOST_BYTES = 1 << 28
 MOST_NAME_BYTES = 100
 _SHOWN_BYTES = 120  # of a field in a message
-_NUMBER = re.compile(r"-?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|inf(?:inity)?|nan)", re.I | re.A)
+_NUMBER = re.compile(r"-?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|inf(?:inity)?|nan(?:\(\w*\))?)",
+                     re.I | re.A)
 _WHOLE = re.compile(r"-?\d+", re.A)
 _RFC = "write comma-separated values as in RFC 4180"
 
@@ -31,7 +33,7 @@ def quoted(text: str) -> str:
     """A field in quotes, shortened, for a message."""
     raw = text.encode("utf-8", "surrogateescape")
     if len(raw) > _SHOWN_BYTES:
-        text = raw[:_SHOWN_BYTES].decode("utf-8", "ignore") + "..."
+        text = raw[:_SHOWN_BYTES].decode("utf-8", "surrogateescape") + "..."
     return f'"{text}"'
 
 
@@ -103,7 +105,7 @@ def number_in(field: str) -> float | None:
     """The number that the field is, also nan and inf; None for anything else."""
     if not _NUMBER.fullmatch(field):
         return None
-    value = float(field)
+    value = float(field.partition("(")[0])
     is_lost = math.isinf(value) or value == 0.0  # beyond the range of a double
     if is_lost and re.search(r"[1-9]", re.split("[eE]", field)[0]):
         return None
@@ -118,6 +120,7 @@ class Column:
     unit: str
     is_required: bool
     values: str
+    meaning: str = ""
 
     @property
     def blanks(self) -> tuple[str, ...]:
@@ -172,7 +175,7 @@ def _number_reader(limits: str) -> Callable[[str], float]:
     def read(field: str) -> float:
         value = number_in(field)
         above = value is not None and (value > least if limits.startswith(">") else value >= least)
-        if value is None or math.isnan(value) or not above or value > most:
+        if value is None or not math.isfinite(value) or not above or value > most:
             raise ValueError(expected)
         return value
 
@@ -180,8 +183,17 @@ def _number_reader(limits: str) -> Callable[[str], float]:
 
 
 def _level_reader(names: Sequence[str]) -> Callable[[str], str]:
+    """A name may have the range of a number behind it: "a4-passive:0..1000"."""
+    ranges = dict(name.split(":") for name in names if ":" in name)
+
+    def has_number(field: str) -> bool:
+        name, _, text = field.partition(":")
+        value = number_in(text) if name in ranges else None
+        low, high = ranges.get(name, "0..0").split("..")
+        return value is not None and float(low) <= value <= float(high) and as_printed(value) == text
+
     def read(field: str) -> str:
-        if field not in names:
+        if field not in names and not has_number(field):
             raise ValueError(" or ".join(filter(None, (", ".join(names[:-1]), names[-1]))))
         return field
 
@@ -191,8 +203,8 @@ def _level_reader(names: Sequence[str]) -> Callable[[str], str]:
 def columns_in(text: str) -> list[Column]:
     """The columns that the text of a `columns.csv` lists."""
     rows = csv.DictReader(text.splitlines())
-    return [Column(row["name"], row["unit"], row["presence"] == "required", row["values"])
-            for row in rows]
+    return [Column(row["name"], row["unit"], row["presence"] == "required", row["values"],
+                   row["meaning"]) for row in rows]
 
 
 def field_error(line: int, column: str, found: str, expected: str, hint: str = "") -> InputError:

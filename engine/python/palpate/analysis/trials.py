@@ -15,6 +15,7 @@ from palpate.analysis.tables import Cell, Column, field_error
 
 MOST_TRIALS = 1 << 18
 _OTHER_MEANING = "rename the column if it has another meaning"
+_STRATEGY = "an empty field, or the name of a strategy, such as a4"
 # What an empty field of these columns stands for: what the paper did.
 AS_IN_PAPER: dict[str, Cell] = {"view": "turning", "align": "nearest",
                                 "start_orientation_deg": 0.0, "scale": 1.0}
@@ -87,9 +88,10 @@ class _Reader:
                 continue
             try:
                 row[name] = read(field)
-            except ValueError as expected:
-                hint = _OTHER_MEANING if name in AS_IN_PAPER else ""
-                raise field_error(line, name, field, str(expected), hint) from None
+            except ValueError as error:
+                expected = _STRATEGY if name == "strategy" else str(error)
+                hint = _OTHER_MEANING if name in (*AS_IN_PAPER, "strategy") else ""
+                raise field_error(line, name, field, expected, hint) from None
         _check_view(line, row)
         for name, place, not_negative in self.measure_cells:
             row[name] = _measure(line, name, fields[place], not_negative, row["status"] == "done")

@@ -1,4 +1,4 @@
-"""The made cases of `experiment analyse`: name -> (what it is, text of trials.csv, further arguments)."""
+"""The made cases of `experiment analyse`: name -> what it is, text of trials.csv, options."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from made_trials import (FACTORS, HAPTIC, MEASURES, OBJECTS, Row, dropped, ended, is_at, put, scaled, six,
+from made_trials import (FACTORS, HAPTIC, MEASURES, OBJECTS, Row, dropped, ended, is_at, put,
+                         scaled, six,
                          some_end, text_of, tie_depth, trials, without)
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -173,7 +174,8 @@ def timeouts_with_measures(r: random.Random) -> str:
 def following_without_a_condition(r: random.Random) -> str:
     rows = trials(r, people=4, following="delayed")
     frozen = trials(r, people=4, following="frozen")
-    return text_of(rows + some_end(r, frozen, 1.0, "timeout", haptic="NoH", rotation="R", object="O1"))
+    return text_of(rows + some_end(r, frozen, 1.0, "timeout", haptic="NoH", rotation="R",
+                                   object="O1"))
 
 
 @made("one following has completed no trial at all")
@@ -207,7 +209,8 @@ def seven_followings(r: random.Random) -> str:
 @made("four start orientations, one negative")
 def start_orientations(r: random.Random) -> str:
     return text_of([row for start in (45, 0, -144.5, 90)
-                    for row in trials(r, people=3, following="delayed", start_orientation_deg=start)])
+                    for row in trials(r, people=3, following="delayed",
+                                      start_orientation_deg=start)])
 
 
 @made("three scales, with timeouts")
@@ -267,7 +270,8 @@ def missing_values(r: random.Random) -> str:
 
 @made("only what a file of people needs; penetration in metres")
 def fewest_columns(r: random.Random) -> str:
-    return text_of(without(trials(r, people=4), "following", "trial", "attempt", "losses_100ms", "losses_per_s",
+    return text_of(without(trials(r, people=4), "following", "trial", "attempt", "losses_100ms",
+                           "losses_per_s",
                            "mean_penetration_dm", "mean_contact_angle_deg"))
 
 
@@ -280,7 +284,8 @@ def penetration_in_two_units(r: random.Random) -> str:
     return text_of(rows)
 
 
-@made("other columns, another order of columns, and each field in quotation marks, CRLF, a byte order mark")
+@made("other columns, another order of columns, names of columns in quotation marks, CRLF, a byte "
+      "order mark")
 def other_layout(r: random.Random) -> bytes:
     rows = put(trials(r, people=3), lambda row: {"comment": 'said "aha", twice', "age": 30})
     columns = sorted(("comment", "age") + FACTORS + MEASURES, key=lambda name: name[::-1])
@@ -318,7 +323,8 @@ def natural_order_of_people(r: random.Random) -> str:
 
 @made("times of days, penetrations of kilometres")
 def large_values(r: random.Random) -> str:
-    return text_of(scaled(trials(r, people=5), total_time_s=1e5, mean_penetration_dm=1e6, mean_penetration_m=1e6))
+    return text_of(scaled(trials(r, people=5), total_time_s=1e5, mean_penetration_dm=1e6,
+                          mean_penetration_m=1e6))
 
 
 @made("times of microseconds, penetrations of picometres")
@@ -339,7 +345,8 @@ def many_magnitudes(r: random.Random) -> str:
 @made("a large mean and a small scatter: 1e6 s and 1 ms")
 def small_scatter(r: random.Random) -> str:
     rows = trials(r, people=5)
-    return text_of(put(rows, lambda row: {"total_time_s": f"{1e6 + 1e-3 * row['total_time_s']:.9f}"}))
+    return text_of(put(rows, lambda row: {
+        "total_time_s": f"{1e6 + 1e-3 * row['total_time_s']:.9f}"}))
 
 
 @made("effects so large that p-values are next to 0")
@@ -361,15 +368,18 @@ def opposite_effects(r: random.Random) -> str:
 def rare_losses(r: random.Random) -> str:
     def rare(row: Row) -> Row:
         count = int(r.random() < (0.3 if row["haptic"] == "NoH" else 0.1))
-        return {"losses_of_contact": count, "losses_100ms": 0, "losses_per_s": six(count / row["total_time_s"])}
+        return {"losses_of_contact": count, "losses_100ms": 0,
+                "losses_per_s": six(count / row["total_time_s"])}
     return text_of(put(trials(r, people=6, blocks=3), rare))
 
 
 @made("losses are 0 in H, and the angle is equal for all people in one condition")
 def constant_in_a_condition(r: random.Random) -> str:
     def some(row: Row) -> Row:
-        lost = {"losses_of_contact": 0, "losses_100ms": 0, "losses_per_s": 0} if row["haptic"] == "H" else {}
-        return lost | ({"mean_contact_angle_deg": 45} if is_at(row, haptic="UaH", rotation="R") else {})
+        lost = {"losses_of_contact": 0, "losses_100ms": 0,
+                "losses_per_s": 0} if row["haptic"] == "H" else {}
+        return lost | ({"mean_contact_angle_deg": 45} if is_at(row, haptic="UaH",
+                                                               rotation="R") else {})
     return text_of(put(trials(r, people=6, blocks=2), some))
 
 
@@ -396,14 +406,16 @@ def constant_difference(r: random.Random) -> str:
 @made("penetration follows from the time and the losses, but for a millionth")
 def nearly_collinear(r: random.Random) -> str:
     return text_of(tie_depth(put(trials(r, people=6, blocks=2), lambda row: {
-        "mean_penetration_dm": six(0.05 + 0.001 * row["total_time_s"] + 0.0005 * row["losses_of_contact"])})))
+        "mean_penetration_dm": six(0.05 + 0.001 * row["total_time_s"]
+                                   + 0.0005 * row["losses_of_contact"])})))
 
 
 @made("integers only")
 def integers(r: random.Random) -> str:
     rows = trials(r, people=5, blocks=2)
     return text_of(tie_depth(put(rows, lambda row: {
-        "total_time_s": round(row["total_time_s"]), "mean_penetration_dm": round(100 * row["mean_penetration_dm"]),
+        "total_time_s": round(row["total_time_s"]),
+        "mean_penetration_dm": round(100 * row["mean_penetration_dm"]),
         "mean_contact_angle_deg": round(row["mean_contact_angle_deg"])})))
 
 
@@ -421,7 +433,8 @@ def unequal_scatter(r: random.Random) -> str:
     def wide(row: Row) -> Row:
         scale = (1 + 3 * HAPTIC.index(row["haptic"])) * (1 + int(row["participant"]) % 3)
         time = 30 + scale * r.expovariate(1.0)
-        return {"total_time_s": repr(time), "mean_penetration_dm": repr(0.02 * r.lognormvariate(0, 0.5 * scale / 9))}
+        return {"total_time_s": repr(time), "mean_penetration_dm": repr(0.02 * r.lognormvariate(0,
+            0.5 * scale / 9))}
     return text_of(put(trials(r, people=7, blocks=2), wide))
 
 
@@ -439,7 +452,8 @@ def refused_practice_alone(r: random.Random) -> str:
 
 @made("a condition has no trial")
 def refused_absent_condition(r: random.Random) -> str:
-    return text_of([row for row in trials(r) if not is_at(row, haptic="UaH", rotation="R", object="O2")])
+    return text_of([row for row in trials(r) if not is_at(row, haptic="UaH", rotation="R",
+                                                          object="O2")])
 
 
 @made("a condition has no completed trial")
@@ -454,7 +468,8 @@ def refused_no_completed_trial(r: random.Random) -> str:
 
 @made("losses of contact are constant in each condition")
 def refused_constant_losses(r: random.Random) -> str:
-    return text_of(put(trials(r), lambda row: {"losses_of_contact": 10 + HAPTIC.index(row["haptic"])}))
+    return text_of(put(trials(r), lambda row: {
+        "losses_of_contact": 10 + HAPTIC.index(row["haptic"])}))
 
 
 @made("penetration is 0.1 plus a thousandth of the losses")
@@ -493,7 +508,8 @@ def refused_too_many_cells(r: random.Random) -> str:
 @made("101 start orientations")
 def refused_too_many_experiments(r: random.Random) -> str:
     return text_of([row for start in range(101)
-                    for row in trials(r, people=2, blocks=[1], objects=["O1"], haptic=["H"], rotation=["R"],
+                    for row in trials(r, people=2, blocks=[1], objects=["O1"], haptic=["H"],
+                                      rotation=["R"],
                                       following="delayed", start_orientation_deg=start)])
 
 

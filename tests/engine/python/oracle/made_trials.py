@@ -14,8 +14,10 @@ from typing import Any
 Row = dict[str, Any]
 Change = Callable[[random.Random, list[Row]], Iterable[Row] | None]
 
-FACTORS = ("following", "participant", "block", "trial", "haptic", "rotation", "object", "attempt", "status")
-MEASURES = ("total_time_s", "losses_of_contact", "losses_100ms", "losses_per_s", "mean_penetration_m",
+FACTORS = ("following", "participant", "block", "trial", "haptic", "rotation", "object", "attempt",
+           "status")
+MEASURES = ("total_time_s", "losses_of_contact", "losses_100ms", "losses_per_s",
+            "mean_penetration_m",
             "mean_penetration_dm", "mean_contact_angle_deg")
 VARIANT = ("view", "align", "start_orientation_deg", "scale")
 HAPTIC, ROTATION = ("NoH", "UaH", "H"), ("NoR", "R")
@@ -44,21 +46,25 @@ def trials(r: random.Random, *, people: Sequence[str] | int = 6, blocks: Sequenc
                 i, turned, w = HAPTIC.index(h), 0.5 if t == "R" else -0.5, in_condition[h, t]
                 time = (27 + effects * ((2, 0.3, -2)[i] + 4 * turned) + 3 * person + 2 * w
                         + 2.5 * objects.index(o) - 0.8 * block + noise * r.gauss(0, 4))
-                losses = (22 + effects * ((2, 0, -1.5)[i] + 2 * turned) + 2 * person + w + 0.3 * (time - 27)
-                          + noise * r.gauss(0, 2))
+                losses = (22 + effects * ((2, 0, -1.5)[i] + 2 * turned) + 2 * person + w
+                          + 0.3 * (time - 27) + noise * r.gauss(0, 2))
                 depth = (0.067 + effects * (0.034, 0.001, -0.036)[i] + 0.004 * person + 0.003 * w
                          + noise * r.gauss(0, 0.008))
                 angle = 41 - 17 * effects * turned + 2 * person + w + noise * r.gauss(0, 3)
-                rows.append(_row(following, name, block, place, h, t, o, time, losses, depth, angle, variant))
+                rows.append(_row(following, name, block, place, h, t, o, time, losses, depth, angle,
+                                 variant))
     return rows
 
 
 def _row(following: str, name: str, block: int, place: int, haptic: str, rotation: str, thing: str,
          time: float, losses: float, depth: float, angle: float, variant: Row) -> Row:
     time_s, count, depth_dm = six(max(2.0, time)), max(0, round(losses)), six(max(0.001, depth))
-    return {"following": following, "participant": name, "block": block, "trial": place, "haptic": haptic,
-            "rotation": rotation, "object": thing, "attempt": 1, "status": "done", "total_time_s": time_s,
-            "losses_of_contact": count, "losses_100ms": count // 2, "losses_per_s": six(count / time_s),
+    return {"following": following, "participant": name, "block": block, "trial": place,
+            "haptic": haptic,
+            "rotation": rotation, "object": thing, "attempt": 1, "status": "done",
+            "total_time_s": time_s,
+            "losses_of_contact": count, "losses_100ms": count // 2,
+            "losses_per_s": six(count / time_s),
             "mean_penetration_m": six(depth_dm / 10), "mean_penetration_dm": depth_dm,
             "mean_contact_angle_deg": six(max(1.0, angle)), **variant}
 
@@ -96,7 +102,8 @@ def dropped(r: random.Random, rows: Sequence[Row], share: float) -> list[Row]:
     return [row for row in rows if r.random() >= share]
 
 
-def some_end(r: random.Random, rows: list[Row], share: float, status: str, **levels: Any) -> list[Row]:
+def some_end(r: random.Random, rows: list[Row], share: float, status: str,
+             **levels: Any) -> list[Row]:
     for row in rows:
         if is_at(row, **levels) and r.random() < share:
             ended(row, status)

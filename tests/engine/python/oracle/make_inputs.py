@@ -3,8 +3,8 @@
 
 make_inputs.py [--with PALPATE] [KIND ...]
 
-The made files are the same bytes every time. Trials of the paper's plan are kept as they are committed;
---with PALPATE runs the plan again (ten minutes on two cores).
+The made files are the same bytes every time. Trials of the paper's plan are kept as they are
+committed; --with PALPATE runs the plan again (ten minutes on two cores).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import analyse_inputs
+import hostile_inputs
 import run_inputs
 from analyse_inputs import FOLLOWINGS
 from made_trials import FACTORS, MEASURES, VARIANT, text_of
@@ -41,7 +42,8 @@ class Kind:
         self.index: dict[str, dict[str, object]] = {}
         self.files: dict[str, bytes] = {}
 
-    def add(self, name: str, about: str, arguments: list[str], out: str, inputs: dict[str, bytes]) -> None:
+    def add(self, name: str, about: str, arguments: list[str], out: str,
+            inputs: dict[str, bytes]) -> None:
         self.index[name] = {"about": about, "arguments": arguments, "out": out}
         self.files |= {f"{name}/{file}": content for file, content in inputs.items()}
 
@@ -53,15 +55,16 @@ class Kind:
                 is_same = all(self.files.get(f"{name}/{file}") == content
                               for file, content in before.get(name, {}).items())
                 new = self.index.get(name, {})
-                if is_same and new.get("arguments") == known["arguments"] and len(before.get(name, {})) == sum(
+                if is_same and new.get("arguments") == known["arguments"] and len(before.get(name,
+                    {})) == sum(
                         file.startswith(f"{name}/") for file in self.files):
                     self.index[name] = {**known, **new}
         write_index(self.folder / "index.json", self.index)
         pack(self.folder / "input.tar.xz", self.files)
 
 
-# Of the committed results (benchmarks/measure_experiment.py). One has the columns that the analysis reads, for
-# all followings; the other one has all columns, for two.
+# Of the committed results (benchmarks/measure_experiment.py). One has the columns that the analysis
+# reads, for all followings; the other one has all columns, for two.
 PAPER_COLUMNS = FACTORS + MEASURES + VARIANT
 PAPER = {"people2005": (PAPER_COLUMNS, FOLLOWINGS), "literature": (None, ("delayed", "predict"))}
 
@@ -99,7 +102,14 @@ def analyse(kind: Kind) -> None:
                  ["experiment", "analyse", "trials.csv"], "analysis", {"trials.csv": trials})
     for name, (about, text, more) in analyse_inputs.made_cases().items():
         content = text if isinstance(text, bytes) else text.encode()
-        kind.add(name, about, ["experiment", "analyse", "trials.csv", *more], "analysis", {"trials.csv": content})
+        kind.add(name, about, ["experiment", "analyse", "trials.csv", *more], "analysis",
+                 {"trials.csv": content})
+
+
+def trials(kind: Kind) -> None:
+    for name, content in hostile_inputs.texts().items():
+        kind.add(name, name.replace("_", " "), ["experiment", "analyse", "trials.csv"], "analysis",
+                 {"trials.csv": content})
 
 
 def runs(cases: dict[str, Given], out: str) -> Callable[[Kind], None]:
@@ -110,6 +120,7 @@ def runs(cases: dict[str, Given], out: str) -> Callable[[Kind], None]:
 
 
 KINDS = {"analyse": analyse,
+         "trials": trials,
          "compare": runs(run_inputs.compare_cases(), "compare"),
          "power": runs(run_inputs.power_cases(), "power"),
          "sweep": runs(run_inputs.sweep_cases(), "sweep"),

@@ -3,8 +3,8 @@
 
 make_oracle.py PALPATE DIR [KIND | KIND/NAME ...]
 
-For each case of this folder, runs the command with its inputs, and writes what it printed and wrote into
-DIR/KIND. DIR may be this folder. The committed results are of commit 53aa82cd (README.md).
+For each case of this folder, runs the command with its inputs, and writes what it printed and wrote
+into DIR/KIND. DIR may be this folder. The committed results are of commit 53aa82cd (README.md).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from page_text import without_drawings  # noqa: E402
 NOT_KEPT = {"run.log", "parts", "traces"}
 
 
-# Numbers keep 12 significant digits: 1e-9 is compared, and a number is then the same text in JSON and CSV.
+# Numbers keep 12 significant digits: 1e-9 is compared, and JSON and CSV then have the same texts.
 LONG_NUMBER = re.compile(rb"(?<![\w.])-?\d+\.\d{8,}(?:e[+-]?\d+)?(?![\w.])")
 
 
@@ -71,7 +71,8 @@ def tables_in_json(found: Files) -> dict[str, str]:
         if not name.endswith(".json"):
             continue
         trees = json.loads(found[name])
-        for table in (key for key, rows in trees.items() if f"{key}.csv" in found and is_table(rows)):
+        for table in (key for key, rows in trees.items() if f"{key}.csv" in found
+                      and is_table(rows)):
             rows = table_of(found[f"{table}.csv"].decode())
             if not list(table_differences(as_table(trees[table]), rows)):
                 in_json[f"{table}.csv"] = name
@@ -83,8 +84,10 @@ def run(program: Path, each: Case) -> tuple[int, Files]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         each.put_inputs(folder)
-        done = subprocess.run([program, *each.arguments], cwd=folder, capture_output=True, check=False)
-        found = {"stdout": done.stdout, "stderr": PROGRESS.sub(b"", done.stderr)} | results_in(folder / each.out)
+        done = subprocess.run([program, *each.arguments], cwd=folder, capture_output=True,
+                              check=False)
+        found = {"stdout": done.stdout, "stderr": PROGRESS.sub(b"",
+            done.stderr)} | results_in(folder / each.out)
     for content in found.values():
         assert name.encode() not in content, f"{each}: a result names the folder of the run"
     return done.returncode, found

@@ -24,7 +24,7 @@ in_order <- function(x) factor(x, levels = unique(x))
 # --- Data
 
 here <- dirname(sub("--file=", "", grep("--file=", commandArgs(FALSE), value = TRUE)))
-public <- function(name) read.csv(file.path(here, "..", "..", "analysis", "data", name))
+public <- function(name) read.csv(file.path(here, "..", "data", name))
 trials <- function(name) {
   table <- read.csv(file.path(here, name))
   for (column in c("person", "haptic", "rotation", "object", "block")) table[[column]] <- in_order(table[[column]])

@@ -31,11 +31,13 @@ def rows(seed: str, people: int) -> list[tuple[object, ...]]:
         w = {condition: r.gauss(0, 2) for condition in product(HAPTIC, ROTATION)}
         for h, t, o, b in product(HAPTIC, ROTATION, OBJECTS, BLOCKS):
             force, turned = HAPTIC.index(h), t == "R"
-            time = 27 + u + w[h, t] - 2 * force + 4 * turned + 2.5 * (o == "O2") - 0.8 * b + r.gauss(0, 4)
+            time = (27 + u + w[h, t] - 2 * force + 4 * turned + 2.5 * (o == "O2") - 0.8 * b
+                    + r.gauss(0, 4))
             rate = 0.75 * math.exp(0.04 * u - 0.1 * force + 0.08 * turned)
             depth = 0.1 - 0.033 * force + 0.002 * u + 0.008 * r.gauss(0, 1)
             time = round(max(time, 3.0), 3)
-            found.append((f"P{person:02}", h, t, o, b, time, poisson(r, rate * time), round(max(depth, 0.001), 5)))
+            found.append((f"P{person:02}", h, t, o, b, time, poisson(r, rate * time),
+                          round(max(depth, 0.001), 5)))
     return found
 
 

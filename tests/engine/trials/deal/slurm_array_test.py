@@ -18,8 +18,8 @@ import tempfile
 
 TASKS = 3
 RESULTS = {"run": ["trials.csv", "columns.csv", "run.json"],
-           "sweep": ["sweep.csv", "report.html", "sweep_results.json", "one_at_a_time.csv", "flips.csv",
-                     "rankings.csv", "halves.csv", "run.json"]}
+           "sweep": ["sweep.csv", "columns.csv", "report.html", "sweep_results.json",
+                     "one_at_a_time.csv", "flips.csv", "rankings.csv", "halves.csv", "run.json"]}
 
 
 def check(condition, message):

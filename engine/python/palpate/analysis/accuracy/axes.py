@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from matplotlib.lines import TICKDOWN, TICKLEFT
+from matplotlib.markers import TICKDOWN, TICKLEFT
 from numpy.typing import NDArray
 
 from palpate.analysis.figures import INK
@@ -157,16 +157,17 @@ class LabelPlaces:
 
     def __init__(self, width: float, height: float) -> None:
         self.area = np.array([0.0, 0.0, width, height])
-        self.taken = np.empty((0, 4))
+        self.taken: Floats = np.empty((0, 4))
 
-    def block(self, points: Floats, radius: float) -> None:
+    def block(self, points: NDArray[Any], radius: float) -> None:
         """Keep labels away from these points (n x 2)."""
         self.taken = np.vstack([self.taken, np.hstack([points - radius, points + radius])])
 
     def block_line(self, points: Floats) -> None:
         """Keep labels away from the line through these points (n x 2)."""
-        for begin, end in zip(points, points[1:]):
-            steps = 2 + int(math.hypot(*(end - begin)) / self._LINE_STEP)
+        lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        for begin, end, length in zip(points, points[1:], lengths):
+            steps = 2 + int(length / self._LINE_STEP)
             self.block(np.linspace(begin, end, steps), self._LINE_HALF)
 
     def take(self, box: Floats) -> bool:

@@ -15,21 +15,26 @@ from .as_paper import AsPaper, analyse_as_paper, experiment_notes
 from .differences import Difference, differences_of
 from .experiments import Experiment, experiments_of
 from .findings import FindingResult, judge
-from .outcomes import ANGLE, OUTCOMES, TIME_TO_LIMIT, Outcome
+from .loss_rates import LossRates, loss_rates
+from .outcomes import ANGLE, OUTCOMES, PAPER_OUTCOMES, TIME_TO_LIMIT, Outcome
 from .primary import Primary, analyse_repeated_measures
+from .variances import Variances, parts_of_variance
 from .verdicts import AGREES, DISAGREES
 
 
 @dataclass
 class OperatorAnalysis:
     """The analysis of an experiment. paper: None if it is not possible; paper_problem states why.
-    angle_of_uah: Figure 7. notes: what was left out, and why: sentences."""
+    angle_of_uah: Figure 7. variances: of the paper's outcomes. loss_rates: None if the trials do not
+    determine them. notes: what was left out, and why: sentences."""
 
     experiment: Experiment
     paper: AsPaper | None = None
     paper_problem: str = ""
     primary: dict[Outcome, Primary] = field(default_factory=dict)
     angle_of_uah: Primary | None = None
+    variances: dict[Outcome, Variances] = field(default_factory=dict)
+    loss_rates: LossRates | None = None
     findings: list[FindingResult] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
@@ -116,6 +121,12 @@ def _analyse(experiment: Experiment, is_one_of_several: bool) -> OperatorAnalysi
     with _in_following(experiment):
         _analyse_fixed_effects(analysis, is_one_of_several)
         _analyse_outcomes(analysis, is_one_of_several)
+    analysis.variances = {
+        outcome: parts_of_variance(experiment, outcome)
+        for outcome in PAPER_OUTCOMES
+        if outcome in analysis.primary
+    }
+    analysis.loss_rates = loss_rates(experiment)
     analysis.findings = judge(
         experiment, analysis.paper, analysis.primary, analysis.angle_of_uah
     )

@@ -4,6 +4,7 @@ their interactions, without participants in the model, so that all trials count 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import pandas as pd
 
@@ -83,7 +84,7 @@ def analyse_as_paper(experiment: Experiment) -> AsPaper:
     )
 
 
-def _by_term(tests: dict[Term, object]) -> pd.DataFrame:
+def _by_term(tests: dict[Term, Any]) -> pd.DataFrame:
     index = pd.Index(list(tests), tupleize_cols=False, name="term")
     return pd.DataFrame([asdict(test) for test in tests.values()], index=index)
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from palpate.analysis.statistics import PairedT, paired_t
 
-from .experiments import FACTORS, VARIANT, Experiment
+from .experiments import FACTORS, VARIANT, Experiment, Variant
 from .outcomes import ANGLE, LOSSES, PENETRATION, TIME, TIME_TO_LIMIT, Outcome
 
 # A setting with more levels than this is compared with its first level only.
@@ -37,10 +37,8 @@ def differences_of(experiments: list[Experiment]) -> list[Difference]:
     each following of the still view is compared with the first following of the turning view:
     without rotation they have the same rows, and with it the followings of the still view state
     what the person adapts to."""
-    few = {
-        setting: list(dict.fromkeys(getattr(e.variant, setting) for e in experiments))
-        for setting in VARIANT
-    }
+    variants = sorted({e.variant for e in experiments}, key=Variant.order)
+    few = {s: list(dict.fromkeys(getattr(variant, s) for variant in variants)) for s in VARIANT}
     return [
         difference
         for a, b in combinations(experiments, 2)

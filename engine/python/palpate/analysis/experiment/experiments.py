@@ -182,8 +182,8 @@ def whose(following: str, variant: Variant) -> str:
 
 
 def experiments_of(frame: pd.DataFrame, limit_s: float) -> list[Experiment]:
-    """frame: the rows of trials.csv (read_trials). The paper's variant comes first; in each variant
-    the followings in their order, then people.
+    """frame: the rows of trials.csv (read_trials). People come first, then simulated persons: the
+    paper's variant first, and in each variant the followings in their order.
 
     Raises InputError for a file without trials, with too many experiments, with fewer than two
     participants, and with a condition without any row.
@@ -201,7 +201,9 @@ def experiments_of(frame: pd.DataFrame, limit_s: float) -> list[Experiment]:
         )
     if not groups:
         raise InputError("", "rows", "are 0; expected trials of two participants or more")
-    order = sorted(groups, key=lambda key: (key[0].order(), FOLLOWINGS.index(key[1])))
+    order = sorted(
+        groups, key=lambda key: (key[1] != "", key[0].order(), FOLLOWINGS.index(key[1]))
+    )
     try:
         return [_experiment(*key, groups[key], limit_s) for key in order]
     except InputError as error:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
+import pandas as pd
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
@@ -69,17 +70,34 @@ def _answer(analysis: ExperimentAnalysis) -> dict[str, Any]:
         "columns": text.columns_text(analysis),
         "flips": [FINDINGS[i].name for i in differing],
         "are_followings": not (analysis.has_people or analysis.variants > 1),
+        "by_construction": [
+            (finding.name, reason) for finding, reason in text.built_so(analysis).items()
+        ],
+        "spread": _spread(analysis),
         "heads": [(e.name, e.is_simulated) for e in analysis.experiments],
         "rows": [
             {
                 "finding": finding,
                 "printed": _lines(finding.printed),
                 "flips": i in differing,
+                "is_built_so": finding in text.built_so(analysis),
                 "results": [_result(each.findings[i]) for each in analysis.operators],
             }
             for i, finding in enumerate(FINDINGS)
         ],
     }
+
+
+def _spread(analysis: ExperimentAnalysis) -> dict[str, Any] | None:
+    """The scatter of the first simulated persons, in mm by force; None without penetration."""
+    for each in analysis.operators:
+        primary = each.primary.get(PENETRATION)
+        if each.experiment.is_simulated and primary:
+            sds = pd.DataFrame(100.0 * primary.cells.mean(axis=2)).std()
+            by_force = zip(each.experiment.levels["Haptic"], sds)
+            words = [f"{level} {number_or_dash(sd)}" for level, sd in by_force]
+            return {"whose": each.experiment.name, "by_force": words}
+    return None
 
 
 def _lines(words: str) -> list[str]:
@@ -135,6 +153,10 @@ def _operator(each: OperatorAnalysis, warnings: list[str]) -> dict[str, Any]:
             for outcome, pairs in (each.paper.plsd.items() if each.paper else ())
         ],
         "manova": page_tables.manova(each),
+        "variances": page_tables.variances(each),
+        "loss_rates": page_tables.loss_rates(each),
+        "dispersion": number_or_dash(each.loss_rates.dispersion) if each.loss_rates else "",
+        "loss_trials": each.loss_rates.trials if each.loss_rates else 0,
         "missing_trials": page_tables.missing(experiment),
     }
 
@@ -184,20 +206,21 @@ def _figure_7(
 
 
 def _facts(analysis: ExperimentAnalysis, file: str, limit_s: float) -> list[tuple[str, str]]:
-    is_several = analysis.variants > 1
+    facts = [("File", file)]
+    for kind, experiments in text.kinds(analysis):
+        is_simulated = experiments[0].is_simulated
+        of = f", {kind}" if len(text.kinds(analysis)) > 1 else ""
+        is_several = len({experiment.variant for experiment in experiments}) > 1
+        trials = f"{text.trials_text(experiments)} (practice is left out)"
+        names = "Followings" if not is_several else "Followings and settings"
+        facts += [
+            (f"Trials{of}", trials),
+            (f"Missing trials{of}", text.missing_text(experiments)),
+            (
+                "Operators" if is_simulated else "Participants",
+                str(text.most_participants(experiments)),
+            ),
+            (names, text.names_of(experiments) if is_simulated or is_several else ""),
+        ]
     blocks = len(analysis.experiments[0].levels["Trial"])
-    return [
-        ("File", file),
-        ("Trials", f"{text.all_trials(analysis)} (practice is left out)"),
-        ("Missing trials", text.missing_text(analysis)),
-        (
-            "Operators" if analysis.has_simulated else "Participants",
-            str(text.most_participants(analysis)),
-        ),
-        (
-            "Followings and settings" if is_several else "Followings",
-            text.names_of(analysis) if analysis.has_simulated or is_several else "",
-        ),
-        ("Blocks", str(blocks)),
-        ("Time limit", f"{number_or_dash(limit_s)} s"),
-    ]
+    return [*facts, ("Blocks", str(blocks)), ("Time limit", f"{number_or_dash(limit_s)} s")]

@@ -222,6 +222,31 @@ def plsd(outcome: Outcome, pairs_of_outcome: pd.DataFrame) -> Table | None:
     return Table(["pair", "difference", "least significant", "t", "p"], rows) if rows else None
 
 
+def variances(each: OperatorAnalysis) -> Table:
+    """The parts of the variance of trials: standard deviations."""
+    rows: list[Row] = []
+    for outcome, parts in each.variances.items():
+        sds = (parts.participants, parts.participant_condition, parts.trials)
+        share = with_decimals(100.0 * parts.share_of_participants, 0)
+        row = [outcome.heading, *map(number_or_dash, sds), share if share == "-" else f"{share} %"]
+        rows.append([*row, parts.n_trials, parts.n_participants])
+    heads = ["measure", "SD between participants", "SD of a participant in a condition",
+             "SD of trials", "share of participants", "n trials", "n participants"]  # fmt: skip
+    return Table(heads, rows)
+
+
+def loss_rates(each: OperatorAnalysis) -> Table | None:
+    """Ratios of losses per time."""
+    if each.loss_rates is None:
+        return None
+    rows: list[Row] = [
+        [ratio["pair"], with_decimals(ratio["ratio"], 3),
+         f"{with_decimals(ratio['low'], 3)} to {with_decimals(ratio['high'], 3)}", _p(ratio["p"])]
+        for ratio in each.loss_rates.ratios.to_dict("records")
+    ]  # fmt: skip
+    return Table(["pair", "ratio of losses per second", "95 % interval", "p"], rows)
+
+
 def missing(experiment: Experiment) -> Table:
     """How the trials ended, of all conditions together and by condition."""
     rows: list[Row] = []

@@ -180,3 +180,22 @@ FINDINGS: tuple[Finding, ...] = (
     Finding(ANGLE, R, Claim.ORDER, "in UaH, rotation makes the angle smaller", ("R", "NoR")),
     *(Finding(None, term, Claim.MULTIVARIATE, "an effect") for term in MANOVA),
 )
+
+# What simulated persons cannot show, because they are built so: the outcome and the effect, and why.
+BY_CONSTRUCTION: tuple[tuple[Outcome | None, Term, str], ...] = (
+    (PENETRATION, H, "force makes the penetration smaller because both hands are springs"),
+    (ANGLE, R, "rotation makes the contact angle smaller because A4 turns the normal to the motor"),
+    (None, T, "blocks do not differ, because nobody learns"),
+    (TIME, R, "rotation costs hardly any time, because only a person with the following frozen is "
+              "led astray by the turning scene"),
+    (LOSSES, H, "force saves no losses, because a person does not use the force that is felt; only "
+                "the passive hand meets it"),
+)  # fmt: skip
+
+
+def reason_by_construction(finding: Finding) -> str | None:
+    """Why simulated persons are no evidence for or against a finding; None if they may be."""
+    for outcome, term, reason in BY_CONSTRUCTION:
+        if (finding.outcome, finding.term) == (outcome, term):
+            return reason
+    return None

@@ -94,7 +94,7 @@ def _mean_of_those_there(grid: Array) -> Array:
 def _effects(values: Array, sizes: dict[str, int]) -> list[dict[str, object]]:
     if not sizes:
         return []
-    table = values.reshape(len(values), -1)
+    table: Array = values.reshape(len(values), -1)
     table = table[~np.isnan(table).any(axis=1)]
     rows: list[dict[str, object]] = [
         {"term": term, "participants": len(table)} for term in all_terms(list(sizes))

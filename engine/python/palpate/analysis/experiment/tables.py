@@ -32,6 +32,9 @@ COLUMNS = {
         verdict_by_the_papers_test differs_between_followings""",
     "verdicts": """following finding comparison unit difference low_95 high_95 margin p p_holm
         participants paper_difference paper_low_95 paper_high_95 verdict""",
+    "variances": """following outcome unit sd_participants sd_participant_condition sd_trials
+        share_of_participants trials participants""",
+    "loss_rates": "following factor pair ratio low_95 high_95 p df dispersion trials",
 }
 DIFFERENCES = """following view align start_orientation_deg scale other_following other_view
     other_align other_start_orientation_deg other_scale outcome unit haptic rotation difference
@@ -46,7 +49,16 @@ def tables_of(analysis: ExperimentAnalysis) -> dict[str, pd.DataFrame]:
     """Every F, every comparison, every mean, the missing trials by condition, the verdicts with
     the comparisons that they need, and the differences between variants, which are none in a
     file with one variant."""
-    makers = (_effects, _comparisons, _means, _missing, _findings, _verdicts)
+    makers = (
+        _effects,
+        _comparisons,
+        _means,
+        _missing,
+        _findings,
+        _verdicts,
+        _variances,
+        _loss_rates,
+    )
     tables = {}
     for (name, columns), maker in zip(COLUMNS.items(), makers):
         frames = [_of(each, maker(analysis, each)) for each in analysis.operators]
@@ -254,6 +266,30 @@ def _verdicts(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(rows)
+
+
+def _variances(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "outcome": outcome.name,
+            "unit": outcome.unit,
+            "sd_participants": parts.participants,
+            "sd_participant_condition": parts.participant_condition,
+            "sd_trials": parts.trials,
+            "share_of_participants": parts.share_of_participants,
+            "trials": parts.n_trials,
+            "participants": parts.n_participants,
+        }
+        for outcome, parts in each.variances.items()
+    )
+
+
+def _loss_rates(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
+    rates = each.loss_rates
+    if rates is None:
+        return pd.DataFrame()
+    frame = rates.ratios.rename(columns={"low": "low_95", "high": "high_95"})
+    return frame.assign(df=rates.df, dispersion=rates.dispersion, trials=rates.trials)
 
 
 def _differences(analysis: ExperimentAnalysis) -> pd.DataFrame:

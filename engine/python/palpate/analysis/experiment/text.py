@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .analysis import ExperimentAnalysis, OperatorAnalysis
-from .paper import FINDINGS
+from .experiments import Experiment
+from .paper import FINDINGS, Finding, reason_by_construction
 from .verdicts import AGREES, DISAGREES, NOT_TESTABLE, UNDECIDED, VERDICTS
 
 MOST_NAMES = 8
@@ -41,6 +42,14 @@ def findings_with(each: OperatorAnalysis, verdict: str) -> list[tuple[str, str]]
     return texts + ([("MANOVA", f"effects of {', '.join(effects)}")] if effects else [])
 
 
+def built_so(analysis: ExperimentAnalysis) -> dict[Finding, str]:
+    """The findings about which simulated persons are no evidence, and why; none for people."""
+    reasons = {finding: reason_by_construction(finding) for finding in FINDINGS}
+    if not analysis.has_simulated:
+        return {}
+    return {finding: reason for finding, reason in reasons.items() if reason}
+
+
 def columns_text(analysis: ExperimentAnalysis) -> str:
     """A name for the columns of the table of verdicts."""
     if analysis.has_people and analysis.has_simulated:
@@ -56,28 +65,37 @@ def who(analysis: ExperimentAnalysis) -> str:
     return "people and simulated operators" if analysis.has_people else "simulated operators"
 
 
-def names_of(analysis: ExperimentAnalysis) -> str:
+def names_of(experiments: list[Experiment]) -> str:
     """ "delayed, predict"; "delayed; delayed, start 45 deg"."""
-    names = [experiment.name for experiment in analysis.experiments]
-    text = ("; " if analysis.variants > 1 else ", ").join(names[:MOST_NAMES])
+    names = [experiment.name for experiment in experiments]
+    is_one = len({experiment.variant for experiment in experiments}) == 1
+    text = (", " if is_one else "; ").join(names[:MOST_NAMES])
     beyond = len(names) - MOST_NAMES
     return text + (f" and {beyond} more" if beyond > 0 else "")
 
 
-def all_counts(analysis: ExperimentAnalysis) -> Mapping[str, int]:
-    """done, timeouts, faults and absent, of all experiments together."""
+def kinds(analysis: ExperimentAnalysis) -> list[tuple[str, list[Experiment]]]:
+    """The experiments of people, and those of simulated operators: nothing pools the two."""
+    people = [e for e in analysis.experiments if not e.is_simulated]
+    simulated = [e for e in analysis.experiments if e.is_simulated]
+    both = [("people", people), ("simulated operators", simulated)]
+    return [(name, experiments) for name, experiments in both if experiments]
+
+
+def _counts(experiments: list[Experiment]) -> Mapping[str, int]:
+    """done, timeouts, faults and absent."""
     names = ["done", "timeouts", "faults", "absent"]
-    return {name: sum(e.total[name] for e in analysis.experiments) for name in names}
+    return {name: sum(e.total[name] for e in experiments) for name in names}
 
 
-def all_trials(analysis: ExperimentAnalysis) -> int:
-    counts = all_counts(analysis)
-    return counts["done"] + counts["timeouts"] + counts["faults"]
+def trials_text(experiments: list[Experiment]) -> str:
+    """How many trials took place."""
+    return str(sum(_counts(experiments).values()) - _counts(experiments)["absent"])
 
 
-def missing_text(analysis: ExperimentAnalysis) -> str:
+def missing_text(experiments: list[Experiment]) -> str:
     """ "57 (40 timeouts, 0 faults, 17 absent)"; "none"."""
-    counts = all_counts(analysis)
+    counts = _counts(experiments)
     missing = counts["timeouts"] + counts["faults"] + counts["absent"]
     if missing == 0:
         return "none"
@@ -86,20 +104,25 @@ def missing_text(analysis: ExperimentAnalysis) -> str:
     return f"{missing} ({timeouts}, {faults}, {counts['absent']} absent)"
 
 
-def most_participants(analysis: ExperimentAnalysis) -> int:
-    return max(len(experiment.participants) for experiment in analysis.experiments)
+def most_participants(experiments: list[Experiment]) -> int:
+    return max(len(experiment.participants) for experiment in experiments)
 
 
 def terminal_text(analysis: ExperimentAnalysis) -> str:
     """What was analysed, and the verdicts of the first operator."""
     leading = analysis.operators[0]
-    whose = f"{all_trials(analysis)} trials of {most_participants(analysis)} {who(analysis)}"
-    whose += f" ({names_of(analysis)})" if analysis.has_simulated else ""
-    lines = [
-        f"{whose}; missing: {missing_text(analysis)}",
+    lines = []
+    for kind, of_kind in kinds(analysis):
+        line = f"{trials_text(of_kind)} trials of {most_participants(of_kind)} {kind}"
+        line += f" ({names_of(of_kind)})" if of_kind[0].is_simulated else ""
+        lines.append(f"{line}; missing: {missing_text(of_kind)}")
+    lines.append(
         f"the paper's {len(FINDINGS)} findings, {leading.experiment.name}: "
-        f"{verdict_counts_text(leading)}",
-    ]
+        f"{verdict_counts_text(leading)}"
+    )
+    if built := built_so(analysis):
+        names = "; ".join(finding.name for finding in built)
+        lines.append(f"no evidence, because simulated persons are built so: {names}")
     for verdict in VERDICTS:
         for name, statement in findings_with(leading, verdict):
             lines.append(f"  {verdict:<14}{name}: {statement}")

@@ -92,7 +92,8 @@ def comparisons_of(
     if finding.term == RH:
         if len(rotation) < 2:
             return []
-        by_level = dict(zip(haptic, np.moveaxis(cells[:, :, 1] - cells[:, :, 0], 1, 0)))
+        of_rotation = np.moveaxis(cells[:, :, 1] - cells[:, :, 0], 1, 0)
+        by_level: dict[str, Array] = dict(zip(haptic, of_rotation))
         pairs = [(b, a) for a, b in combinations(haptic, 2)]
         name = "R - NoR in {}, less in {}"
     elif finding.term == ("Haptic",):

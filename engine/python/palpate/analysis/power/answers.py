@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from palpate.analysis.statistics import wilson
 
 from . import paper
+from .contrasts import together
 from .question import Study
 from .simulation import Bools, Counts, first_of_equal_noise
 
@@ -26,6 +28,18 @@ def first_from(is_enough: Bools) -> Numbers:
     enough at the largest n: the largest n + 1."""
     stays = np.logical_and.accumulate(is_enough[..., ::-1], axis=-1)
     return np.asarray(is_enough.shape[-1] + 2 - stays.sum(axis=-1))
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The smallest number of people with which each of the tests has the power."""
+
+    power: float
+    tests: list[int]  # the effects that the assumed means have, corrected; empty: none
+    model: int  # the assumption
+    people: int  # the largest simulated number + 1: more; 0 without a test
+    least: int  # over all assumptions
+    most: int
 
 
 class Answers:
@@ -67,6 +81,17 @@ class Answers:
     def has_one_noise(self) -> bool:
         """Whether all assumptions have the same noise, and therefore the same answers."""
         return not first_of_equal_noise(self.study.assumptions["noise"].to_numpy()).any()
+
+    @cached_property
+    def answer(self) -> Answer:
+        """The answer in one number. Pairs are not in it: they are looked at after an effect."""
+        power, contrasts = POWERS[0], self.study.contrasts
+        effects = [group[-1] for group in together(contrasts) if not contrasts[group[0]].family]
+        tests = [t for t in effects if not self.is_null[t]]
+        people = self.people[power][:, tests].max(axis=1, initial=0)
+        model = self.study.model_of_answer
+        least, most = int(people.min()), int(people.max())
+        return Answer(power, tests, model, int(people[model]), least, most)
 
     def number(self, n: int, test: int) -> int | None:
         """None: more than were simulated, or no number helps, because there is no effect."""
@@ -124,8 +149,21 @@ class Answers:
             }
             for model, (_, row) in enumerate(self.study.assumptions.iterrows())
         ]
-        return {"settings": _settings(self.study), "pilot": _pilot(self.study), "notes": notes,
+        return {"answer": self._answer_json(), "settings": _settings(self.study), "pilot": _pilot(self.study), "notes": notes,
                 "assumptions": assumptions}
+
+    def _answer_json(self) -> dict[str, Any]:
+        answer = self.answer
+        assumed = self.study.assumptions.iloc[answer.model]
+        within = [n if answer.tests and n <= self.most else None
+                  for n in (answer.people, answer.least, answer.most)]
+        return {
+            "people": within[0],
+            "power": answer.power,
+            "tests": [self.study.contrasts[t].title for t in answer.tests],
+            "assumption": assumed[["error_from", "error_sd", "share_u", "share_w"]].to_dict(),
+            "over_all_assumptions": within[1:],
+        }
 
     def _test_json(self, model: int, t: int) -> dict[str, Any]:
         test = self.study.contrasts[t]
@@ -157,7 +195,7 @@ def _settings(study: Study) -> dict[str, Any]:
         "measure": request.measure,
         "unit": study.measure.outcome.unit,
         "effects_from": "--effect" if request.effect else "paper",
-        "effects": dict(zip(study.measure.design.conditions, study.means.tolist())),
+        "effects": dict(zip(study.measure.design.conditions, map(float, study.means))),
         "error_sd": request.error,
         "share_u": request.share_u,
         "share_w": request.share_w,
@@ -192,7 +230,7 @@ def _pilot(study: Study) -> dict[str, Any] | None:
         "degrees_of_freedom": pilot.df,
         "estimates": pilot.raw,
         "variances": pilot.variances,
-        "means": dict(zip(study.measure.design.conditions, pilot.means.tolist())),
+        "means": dict(zip(study.measure.design.conditions, map(float, pilot.means))),
         "fit": {
             "f": pilot.f,
             "p_below": pilot.p_below,

@@ -24,6 +24,9 @@ def page_of(answers: Answers, notes: list[str]) -> str:
     return page(
         "power.html.j2",
         title=f"How many people: {study.measure.outcome.name}",
+        number=texts.answer_number(answers),
+        rest=texts.answer_rest(answers),
+        sets=answers.sets,
         heads=[f"people for a power of {power}" for power in POWERS] + texts.heads(answers)[-1:],
         lines=[[_cell(text) for text in line] for line in texts.lines(answers)],
         notes=notes,

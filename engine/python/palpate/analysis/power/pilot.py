@@ -177,11 +177,11 @@ def estimate(experiment: Experiment, outcome: Outcome, design: Design) -> Pilot:
     """
     trials = _trials(experiment, outcome, design)
     pilot = Pilot()
-    has_all = ~np.isnan(trials).all(axis=2)
+    has_all = np.asarray(~np.isnan(trials).all(axis=2))
     for name, has in zip(map(printable, experiment.participants), has_all):
         if not has.all():
             pilot.left_out.append(name)
-    complete = has_all.all(axis=1)
+    complete = np.asarray(has_all.all(axis=1))
     pilot.participants = int(complete.sum())
     if pilot.participants < 2:
         first = design.conditions[int(np.argmin(has_all[int(np.argmin(complete))]))]

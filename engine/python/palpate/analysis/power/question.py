@@ -24,6 +24,8 @@ MOST_TRIALS = 1000
 # The default grid of both shares, in tenths. The sum of the two is at most nine tenths.
 _GRID = [tenths / 10.0 for tenths in range(1, 9)]
 _MOST_TOGETHER = 0.9
+# Of u and w, for the answer in one number if they are not given: a choice, inside of the grid.
+SHARES_OF_ANSWER = (0.3, 0.1)
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,22 @@ class Study:
     def unit(self) -> str:
         """ " s"; empty for counts."""
         return f" {self.measure.outcome.unit}" if self.measure.outcome.unit else ""
+
+    @property
+    def has_given_variances(self) -> bool:
+        """Whether no share of the variance is left to a choice."""
+        shares = self.request.share_u, self.request.share_w
+        return self.pilot is not None or None not in shares
+
+    @property
+    def model_of_answer(self) -> int:
+        """The assumption whose shares are the nearest to SHARES_OF_ANSWER; of two errors, the
+        larger one."""
+        assumed = self.assumptions
+        u, w = SHARES_OF_ANSWER
+        distance = (assumed["share_u"] - u).abs() + (assumed["share_w"] - w).abs()
+        nearest = distance <= distance.min() + 4.0 * EPSILON
+        return int(assumed["error_sd"].where(nearest).idxmax())
 
     @property
     def is_null(self) -> list[bool]:

@@ -38,7 +38,7 @@ class EpsilonLimits:
     """The critical F of 2 epsilon and 2 epsilon (n - 1) degrees of freedom, by the number of people
     and epsilon (1/2 to 1): a Chebyshev series of its logarithm."""
 
-    def __init__(self, people: Array) -> None:
+    def __init__(self, people: NDArray[Any]) -> None:
         nodes = _chebyshev.chebpts1(_DEGREE + 1)
         df1 = 1.5 + 0.5 * nodes[:, None]
         logarithms = np.log(f_for_tail(SIGNIFICANCE, df1, df1 * (people - 1.0)))
@@ -72,7 +72,7 @@ class Scores:
         self._noise = [self._scale * mean for mean in means[1:].swapaxes(0, 1)]
         self._parts = (scores, means, squares)
 
-    def f(self, effects: Array) -> Array:
+    def f(self, effects: NDArray[Any]) -> Array:
         """(people, sets): F, or the square of the paired t. effects: the true mean of each score
         divided by the standard deviation of the noise."""
         standardised = [effect * self._scale + noise for effect, noise in zip(effects, self._noise)]

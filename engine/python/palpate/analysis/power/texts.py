@@ -11,6 +11,7 @@ from palpate.analysis.experiment.outcomes import ANGLE
 from palpate.analysis.numbers import number_or_dash, with_decimals
 
 from .answers import POWERS, Answers
+from .contrasts import PLAIN
 from .question import Study
 
 NO_EFFECT = "no effect"
@@ -73,6 +74,44 @@ def assumption_text(study: Study, model: int) -> str:
         return str(row["error_from"])
     return (f"error {number_or_dash(row['error_sd'])}{study.unit}, u "
             f"{number_or_dash(row['share_u'])}, w {number_or_dash(row['share_w'])}")
+
+
+def _conditions(study: Study, model: int) -> str:
+    """ "if one trial has an error of 9.88 s with the shares u 0.3 and w 0.1, which are a choice"."""
+    if study.pilot:
+        return "with the variances of the pilot"
+    row = study.assumptions.iloc[model]
+    text = (f"if one trial has an error of {number_or_dash(row['error_sd'])}{study.unit} with the "
+            f"shares u {number_or_dash(row['share_u'])} and w {number_or_dash(row['share_w'])}")
+    return text if study.has_given_variances else f"{text}, which are a choice"
+
+
+def answer_number(answers: Answers) -> str:
+    """ "24 people"; "more than 60 people"; "no number of people"."""
+    answer = answers.answer
+    if not answer.tests:
+        return "no number of people"
+    is_within = answer.people <= answers.most
+    return f"{answer.people} people" if is_within else f"more than {answers.most} people"
+
+
+def answer_rest(answers: Answers) -> str:
+    """What follows the number: for what, and under which conditions."""
+    answer, study = answers.answer, answers.study
+    measure = study.measure.outcome.name
+    if not answer.tests:
+        return f"for {measure}: the assumed means have no effect."
+    effects = [study.contrasts[t] for t in answer.tests]
+    names = ", ".join(e.name if e.correction == PLAIN else f"{e.name} by {e.correction}"
+                      for e in effects)
+    text = (f"for {measure}: each effect of the assumed means ({names}) then has a power of at "
+            f"least {answer.power}, {_conditions(study, answer.model)}, and a person does "
+            f"{study.trials} trials in a condition")
+    if answers.has_one_noise:
+        return f"{text}."
+    least, most = (f">{answers.most}" if n > answers.most else str(n)
+                   for n in (answer.least, answer.most))
+    return f"{text}. Over all {len(study.assumptions)} assumptions: {_range(least, most)} people."
 
 
 def _source(study: Study, source: str) -> str:
@@ -154,7 +193,8 @@ def pilot_pairs(study: Study) -> list[list[str]]:
 def terminal_text(answers: Answers, notes: list[str]) -> str:
     """The answer for a terminal."""
     study = answers.study
-    text = "".join(f"{name}: {value}\n" for name, value in facts(answers)) + "\n"
+    text = f"{answer_number(answers)} {answer_rest(answers)}\n\n"
+    text += "".join(f"{name}: {value}\n" for name, value in facts(answers)) + "\n"
     rows = [["people for a power of", *heads(answers)]]
     rows += [[f"  {first}", *rest] for first, *rest in lines(answers)]
     text += _table(rows) + "\n"

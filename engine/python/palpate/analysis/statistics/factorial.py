@@ -130,7 +130,7 @@ class Design:
         terms (for example because a cell is empty), or leave no degree of freedom."""
         self.terms = list(terms) if terms is not None else all_terms(factors)
         codes = {name: _sum_to_zero(frame[name]) for name in factors}
-        blocks = [np.ones((len(frame), 1))]
+        blocks: list[Array] = [np.ones((len(frame), 1))]
         blocks += [reduce(_products, [codes[name] for name in term]) for term in self.terms]
         x = np.hstack(blocks)
         rows, columns = x.shape

@@ -62,7 +62,8 @@ def _contrasts(levels: Mapping[str, int], term: Term) -> Array:
         helmert_contrasts(k) if name in term else np.full((k, 1), 1.0 / np.sqrt(k))
         for name, k in levels.items()
     ]
-    return reduce(np.kron, parts, np.ones((1, 1)))
+    product: Any = np.kron  # its types differ between versions of NumPy
+    return np.asarray(reduce(product, parts, np.ones((1, 1))))
 
 
 def repeated_measures_of(table: ArrayLike, levels: Mapping[str, int]) -> RepeatedMeasures:

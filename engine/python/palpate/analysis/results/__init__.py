@@ -1,0 +1,1 @@
+"""Figures of the committed results (benchmarks/results), each a function of a table."""

@@ -1,0 +1,145 @@
+"""Reading trials.csv: what is right is read to the bit, what is broken is refused in the words of
+the C++."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from oracle_cases import Case, cases
+from palpate import read_trials
+from palpate.analysis import tables, trials
+from palpate.analysis.errors import InputError, printable
+from palpate.analysis.trials import columns, measures
+
+# The lines of the C++ reader. The other ones are of the analysis: the table was read.
+OF_THE_READER = re.compile(r"palpate: trials\.csv: (line \d+|byte \d+|is empty|has no trial)\b")
+HEADER = ("participant,block,trial,haptic,rotation,object,attempt,status,total_time_s,"
+          "losses_of_contact,mean_penetration_dm\n")
+FIRST = "Ann,1,1,NoH,R,O1,1,done,25.5,21,0.031\n"
+TABLE = HEADER + FIRST + "Ann,1,2,H,R,O1,1,timeout,,,\n"
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def read(text: str | bytes) -> pd.DataFrame:
+    Path("t.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
+    return read_trials("t.csv")
+
+
+def refusal(text: str | bytes) -> InputError:
+    with pytest.raises(InputError) as refused:
+        read(text)
+    return refused.value
+
+
+@pytest.mark.parametrize("case", cases("trials"), ids=lambda case: case.name)
+def test_a_table_is_refused_by_line_and_column_as_in_cpp(case: Case) -> None:
+    case.put_inputs(Path())
+    assert case.exit_code == 2
+    if not OF_THE_READER.match(case.stderr):
+        assert len(read_trials("trials.csv")) >= 1
+        return
+    with pytest.raises(InputError) as refused:
+        read_trials("trials.csv")
+    assert f"palpate: {refused.value}\n" == case.stderr
+
+
+def test_there_are_many_broken_tables() -> None:
+    assert sum(bool(OF_THE_READER.match(case.stderr)) for case in cases("trials")) >= 180
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("layout", [str, lambda text: "\ufeff" + text, str.rstrip])
+def test_rows_of_people(end: str, layout: object) -> None:
+    frame = read(layout(TABLE.replace("\n", end)))  # type: ignore[operator]
+    assert len(frame) == 2
+    first, last = frame.iloc[0], frame.iloc[1]
+    assert (first["participant"], first["following"], first["block"]) == ("Ann", "", 1)
+    assert (first["haptic"], first["status"]) == ("NoH", "done")
+    assert (first["total_time_s"], first["mean_penetration_dm"]) == (25.5, 0.031)
+    assert "mean_penetration_m" not in frame
+    assert last["status"] == "timeout" and np.isnan(last["total_time_s"])
+
+
+def test_quoted_fields_other_columns_and_missing_values() -> None:
+    frame = read('"participant",block,haptic,rotation,object,status,note,total_time_s\n'
+                 '"Ann, ""A""",1,H,R,O1,done,"two\nlines, one field",NA\n'
+                 "Bob,1,H,R,O1,fault,,nan\n\n")
+    assert list(frame["participant"]) == ['Ann, "A"', "Bob"]
+    assert frame["total_time_s"].isna().all()
+    assert "note" not in frame
+
+
+def test_every_number_is_read_to_the_bit() -> None:
+    values = [(1.0 / 3.0 + i) * 2.0**-60 for i in range(len(measures()))]
+    names = ["participant", "block", "haptic", "rotation", "object", "status",
+             "start_orientation_deg", "scale"]
+    text = ",".join([*names, *measures()]) + "\n7,0,UaH,NoR,O4,fault,-0.1," + f"{1 / 3:.17g},"
+    row = read(text + ",".join(f"{value:.17g}" for value in values) + "\n").iloc[0]
+    assert [row[name] for name in measures()] == values
+    assert (row["start_orientation_deg"], row["scale"]) == (-0.1, 1 / 3)
+
+
+def test_types_of_the_columns() -> None:
+    frame = read(TABLE)
+    kinds = {name: frame[name].dtype.kind for name in frame}
+    assert {name for name, kind in kinds.items() if kind == "i"} == {"block", "trial", "attempt"}
+    numbers = {"total_time_s", "losses_of_contact", "mean_penetration_dm", "start_orientation_deg",
+               "scale"}
+    assert {name for name, kind in kinds.items() if kind == "f"} == numbers
+    assert kinds["participant"] == "O" and frame["strategy"].eq("").all()
+
+
+# An empty field of the last columns stands for what the paper did.
+def test_levels_of_a_plan() -> None:
+    names = ("participant,block,haptic,rotation,object,status,view,align,start_orientation_deg,"
+             "scale\n")
+    frame = read(names + "1,1,H,R,O1,done,,NA,,\n1,1,H,R,O1,done,still,forward,-144,0.5\n")
+    levels = ["view", "align", "start_orientation_deg", "scale"]
+    assert frame.loc[0, levels].to_list() == ["turning", "nearest", 0.0, 1.0]
+    assert frame.loc[1, levels].to_list() == ["still", "forward", -144.0, 0.5]
+
+
+def test_the_status_is_read_before_the_measures_in_any_order_of_columns() -> None:
+    row = read("total_time_s,strategy,status,object,rotation,haptic,block,participant\n"
+               "nan,a4,timeout,star,,,1,Ann\n").iloc[0]
+    assert np.isnan(row["total_time_s"]) and row["strategy"] == "a4"
+
+
+def test_a_file_that_cannot_be_read_is_refused_by_name() -> None:
+    Path("folder").mkdir()
+    for name in ("missing.csv", "folder"):
+        with pytest.raises(InputError) as refused:
+            read_trials(name)
+        assert refused.value.path == name and str(refused.value).startswith(f"{name}: ")
+
+
+def test_a_file_beyond_the_limits_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trials, "MOST_TRIALS", 1)
+    assert str(refusal(TABLE)) == ("t.csv: line 3: is beyond the limit; expected at most 1 trials "
+                                   "(divide the file)")
+    monkeypatch.setattr(tables, "MOST_BYTES", 100)
+    assert str(refusal(TABLE)).startswith("t.csv: is larger than 100 bytes")
+
+
+def test_an_error_is_one_line_whatever_a_field_holds() -> None:
+    for field in ("\x1b]0;title\x07", "a\u2028b", "\u202eabc", '"a\nb"', '"\r\n"'):
+        line = str(refusal(TABLE.replace("25.5", field)))
+        assert line.startswith("t.csv: line 2, column total_time_s: is ")
+        assert len(line.splitlines()) == 1 and line == printable(line)
+
+
+def test_the_columns_of_measures_follow_from_columns_csv() -> None:
+    names = [column.name for column in columns()]
+    assert names.index("status") + 1 == names.index(measures()[0])
+    assert {"total_time_s", "missed_deadlines", "turning_energy_J"} <= set(measures())
+    assert [column.name for column in columns() if column.is_required] == [
+        "participant", "block", "haptic", "rotation", "object", "status"]
