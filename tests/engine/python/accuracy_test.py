@@ -332,6 +332,14 @@ def test_the_overview_compares_with_what_is_small_enough_and_with_the_default():
     assert {"Mesh resolution", "Integrator", "default", "recommended"} <= set(shown)
 
 
+def test_the_caption_of_the_overview_names_a_band_where_there_is_one(sample, gallery):
+    def caption(page):
+        return re.search(r"<figcaption>(Each knob at its default.*?)</figcaption>", page)[1]
+
+    assert "n = 7 knobs that offer a choice. A grey band" in caption(sample[0]["report.html"])
+    assert caption(gallery["report.html"]).endswith("n = 5 knobs that offer a choice.")
+
+
 def test_whiskers_wider_than_the_effect_recommend_nothing():
     raw = cases.facts("sample")["knobs"][0]
     raw["undecided"], raw["recommended"] = raw["recommended"], None
