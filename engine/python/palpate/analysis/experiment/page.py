@@ -100,10 +100,11 @@ def _spread(analysis: ExperimentAnalysis) -> dict[str, Any] | None:
     return None
 
 
-def _lines(words: str) -> list[str]:
-    """Statistics and means on a line each, without a line break within a p value."""
+def _lines(words: str) -> list[page_tables.Cell]:
+    """Statistics and means on a line each, without a line break within a p value. What is the
+    paper's has the quiet colour."""
     words = words.replace("p = ", "p\u00a0=\u00a0").replace("p < ", "p\u00a0<\u00a0")
-    return words.split("; ")
+    return [page_tables.quiet(line, line.startswith("the paper ")) for line in words.split("; ")]
 
 
 def _result(result: FindingResult) -> dict[str, Any]:

@@ -48,9 +48,13 @@ def _strong(words: str, is_strong: bool) -> Cell:
     return {"kind": "strong", "text": words} if is_strong else words
 
 
-def _of_paper(words: str) -> Cell:
+def quiet(words: str, is_quiet: bool = True) -> Cell:
     """In the quiet colour."""
-    return {"kind": "quiet", "text": words} if words else ""
+    return {"kind": "quiet", "text": words} if is_quiet else words
+
+
+def _of_paper(words: str) -> Cell:
+    return quiet(words, bool(words))
 
 
 def _p(p: float) -> Cell:
