@@ -20,7 +20,7 @@ from .experiments import ROTATION
 from .findings import FindingResult
 from .outcomes import PAPER_OUTCOMES, PENETRATION, TIME, Outcome
 from .paper import FINDINGS, MEANS, equivalence_margin
-from .primary import Primary
+from .primary import Primary, residuals
 from .verdicts import NOT_TESTABLE, VERDICTS
 
 NOT_DRAWN = "figure: no participant has completed trials in all its conditions"
@@ -157,6 +157,7 @@ def _operator(each: OperatorAnalysis, warnings: list[str]) -> dict[str, Any]:
         "loss_rates": page_tables.loss_rates(each),
         "dispersion": number_or_dash(each.loss_rates.dispersion) if each.loss_rates else "",
         "loss_trials": each.loss_rates.trials if each.loss_rates else 0,
+        "residuals": _residuals(each, anchor),
         "missing_trials": page_tables.missing(experiment),
     }
 
@@ -176,6 +177,19 @@ def _panel(
         return f"{title}: no diagram: {NOT_DRAWN}"
     identifier = re.sub(r"[^A-Za-z0-9-]", "-", anchor)
     return svg(draw(), f"{identifier}-{name}", whose)
+
+
+def _residuals(each: OperatorAnalysis, anchor: str) -> list[Markup | str]:
+    """Pictures of the residuals of the paper's outcomes."""
+    pictures: list[Markup | str] = []
+    identifier = re.sub(r"[^A-Za-z0-9-]", "-", anchor)
+    for outcome in PAPER_OUTCOMES:
+        rest = residuals(each.experiment, outcome)
+        if outcome in each.primary and len(rest):
+            figure = plots.residual_quantiles(rest, outcome, each.whose_trials)
+            name = f"Residuals, {outcome.name}, {each.whose_trials}"
+            pictures.append(svg(figure, f"{identifier}-residuals-{outcome.key}", name))
+    return pictures
 
 
 def _of_haptic(each: OperatorAnalysis, outcome: Outcome) -> Callable[[], Figure] | None:
