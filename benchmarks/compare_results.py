@@ -1,4 +1,4 @@
-"""The tables of the techniques for missing motors."""
+"""The tables and the figure of the techniques for missing motors."""
 
 import json
 
@@ -36,6 +36,7 @@ def read(folder):
         result = json.loads(path.read_text(encoding="utf-8"))
         block(result)
         losses_block(result)
+        figure_table(result)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise BadInput(f"{path}: expected a result of measure_compare.py ({error!r})") from error
     return result
@@ -59,6 +60,13 @@ def head(result, strategy):
     """A star marks a strategy that completed too few trials."""
     row = next((row for row in result["strategies"] if row["strategy"] == strategy), None)
     return f"`{strategy}`" + (" (*)" if row and 10 * row["done"] < 9 * row["trials"] else "")
+
+
+def figure_table(result):
+    """What palpate.analysis.results.strategies draws."""
+    keys = ("measure", "strategy", "role", "mean", "half_width", "minus_mask", "mask_half_width",
+            "minus_a4", "a4_half_width")
+    return [{key: row[key] for key in keys} for row in result["means"]]
 
 
 def measured(result, measure):

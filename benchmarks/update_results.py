@@ -243,6 +243,8 @@ def figures_of(root, machines):
         return {objects / "a4.svg": ("a4_turns", a4),
                 compare / "a4_passive.svg": ("budgets", passive_results.figure_table(
                     passive_results.read(compare))),
+                compare / "strategies.svg": ("strategies", compare_results.figure_table(
+                    compare_results.read(compare))),
                 calm / "calm_chart.svg": ("calm_chart", calm_chart_results.figure_table(
                     calm_chart_results.read(calm))),
                 sweep / "a4_helps.svg": ("a4_helps", sweep_results.figure_of(sweep)),

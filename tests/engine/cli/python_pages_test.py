@@ -73,8 +73,8 @@ class Commands:
     def cut_sweep(self, sweep):
         self.cut_plan(sweep["plan"])
         sweep["plan"]["participants"] = 2
-        sweep["parameters"] = {"press_depth_m": [0.004, 0.007], "scale": [0.75, 1]}
-        sweep["hypercube"].update(points=4)
+        sweep["parameters"] = {"press_depth_m": [0.004, 0.007]}
+        sweep["hypercube"].update(points=2)
 
     def run(self, *words, python=None, cwd=None, expected=(0, 3)):
         environment = dict(os.environ)
@@ -169,6 +169,7 @@ def test_ended_while_the_page_is_made(commands):
     jobs = {name: (words, ["report.html", "notes.txt"]) for name, words in
             commands.page_only.items()}
     jobs["canonical"] = (commands.measuring["canonical"][0], ["canonical.html", "canonical.csv"])
+    jobs["compare"] = (commands.measuring["compare"][0], ["report.html", "comparison.json", "means.csv"])
     for name, (words, old) in jobs.items():
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
             what = f"{name}, {number.name}"
@@ -181,7 +182,8 @@ def test_ended_while_the_page_is_made(commands):
                 env={**os.environ, "PALPATE_PYTHON": str(slow)}, start_new_session=True,
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             wait_for(lambda: pid.exists() or process.poll() is not None, f"{what}: the page")
-            check(pid.exists(), f"{what}: ended before: {process.communicate()}")
+            if not pid.exists():
+                raise Failure(f"{what}: ended before: {process.communicate()}")
             page = int(pid.read_text())
             os.killpg(process.pid, number) if number != signal.SIGKILL else process.kill()
             _, err = process.communicate(timeout=PATIENCE_S)

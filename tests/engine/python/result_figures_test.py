@@ -18,13 +18,22 @@ sys.path.insert(0, str(BENCHMARKS))
 import a4_instants  # noqa: E402
 import accuracy_results  # noqa: E402
 import calm_chart_results  # noqa: E402
+import compare_results  # noqa: E402
 import passive_results  # noqa: E402
 import result_figures  # noqa: E402
 import result_tables  # noqa: E402
 import sweep_results  # noqa: E402
 import update_results  # noqa: E402
 
-from palpate.analysis.results import a4_helps, a4_turns, accuracy, budgets, calm_chart, groove  # noqa: E402
+from palpate.analysis.results import (  # noqa: E402
+    a4_helps,
+    a4_turns,
+    accuracy,
+    budgets,
+    calm_chart,
+    groove,
+    strategies,
+)
 from palpate.analysis.results.grounds import INK, TONES, on_any_ground  # noqa: E402
 from palpate.analysis.results.picture import picture  # noqa: E402
 
@@ -46,7 +55,7 @@ def texts(axes):
 def test_committed_figures_are_drawn_from_the_committed_results():
     machines = [update_results.Machine(path) for path in (BENCHMARKS / "results").glob("*.json")]
     figures = update_results.figures_of(ROOT, machines)
-    assert len(figures) == 6
+    assert len(figures) == 7
     for path, (kind, table) in figures.items():
         assert result_figures.is_drawn(path, kind, table), f"{path} is up to date"
 
@@ -160,7 +169,7 @@ def test_the_halves_and_words_of_a_sweep_lie_at_their_shares():
         assert [len(points) for points in expected.values()] == [10, 10, 6]
         for part, points in expected.items():
             found = sorted(map(tuple, series(axes, part)))
-            assert np.allclose(found, sorted(points), rtol=0.0, atol=1e-9), part
+            assert np.allclose(found, sorted(points), rtol=1e-9, atol=1e-9), part
     changed = copy.deepcopy(data)
     changed["halves"][-1]["share"] = 0.123
     _, other = of_sweep(changed)
@@ -246,6 +255,19 @@ def test_the_accuracy_figure_has_the_measured_main_knobs():
         figure = accuracy.draw(table)
         shown = [axes.get_title("left") for axes in figure.axes if axes.get_title("left")]
         assert shown == list(table.drop_duplicates("knob")["title"])
+
+
+def test_the_strategies_lie_at_their_differences_to_a4():
+    result = committed("compare/people2005.json")
+    table = pd.DataFrame(compare_results.figure_table(result))
+    figure = strategies.draw(table.astype({name: float for name in strategies.NUMBERS}))
+    for axes, (measure, factor) in zip(figure.axes, (
+            ("contact angle", 1.0), ("penetration", 1e3), ("losses of contact", 1.0),
+            ("port work", 1e3))):
+        rows = [row for row in result["means"] if row["measure"] == measure]
+        found = [mark.lines[0].get_xdata()[0] for mark in axes.containers]
+        assert np.allclose(found, [factor * (row["minus_a4"] or 0.0) for row in rows], rtol=1e-12)
+        assert len(axes.get_yticklabels()) == 13
 
 
 # Both grounds

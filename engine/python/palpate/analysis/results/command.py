@@ -21,6 +21,7 @@ from palpate.analysis.results import (
     budgets,
     calm_chart,
     groove,
+    strategies,
 )
 from palpate.analysis.results.picture import picture
 
@@ -33,6 +34,8 @@ FIGURES: dict[str, tuple[str, Callable[[Any], Figure]]] = {
     "a4_helps": (a4_helps.TITLE, lambda of: a4_helps.draw(
         pd.DataFrame(of["shares"]), pd.DataFrame(of["measures"]), of["notes"])),
     "a4_turns": (a4_turns.TITLE, lambda of: a4_turns.draw(of["data"], of["star"])),
+    "strategies": (strategies.TITLE, lambda rows: strategies.draw(pd.DataFrame(rows).astype(
+        {name: float for name in strategies.NUMBERS}))),
     "groove": (groove.TITLE, lambda of: groove.draw()),
 }
 

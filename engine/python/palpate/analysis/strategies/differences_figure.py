@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.analysis import figures
@@ -32,6 +33,13 @@ def _shown(entries: pd.DataFrame, other: str) -> pd.DataFrame:
 
 
 def differences_figure(entries: pd.DataFrame, other: str) -> Figure:
+    """A figure of its own of what draw_differences() draws."""
+    figure, axes = figures.new_figure(_WIDTH_PX, _AROUND_PX + _ROW_PX * len(entries))
+    draw_differences(axes, entries, other)
+    return figure
+
+
+def draw_differences(axes: Axes, entries: pd.DataFrame, other: str) -> None:
     """The paired differences to `other` by one measure, in its shown unit; without it, the means.
 
     entries: rows of Comparison.means of one scene and measure. A row has the mean over hands beside
@@ -40,7 +48,6 @@ def differences_figure(entries: pd.DataFrame, other: str) -> Figure:
     """
     measure = BY_NAME[entries["measure"].iloc[0]]
     decimals = shown_decimals(measure, entries["mean"])
-    figure, axes = figures.new_figure(_WIDTH_PX, _AROUND_PX + _ROW_PX * len(entries))
     marks = _shown(entries, other)
     for row, (mark, role) in enumerate(zip(marks.itertuples(), entries["role"])):
         if np.isnan(mark.x):
@@ -52,10 +59,9 @@ def differences_figure(entries: pd.DataFrame, other: str) -> Figure:
     if other:
         axes.axvline(0.0, color=figures.INK, linewidth=0.8, linestyle="--")
     axes.set_yticks(range(len(entries)), [
-        f"{name}   {shown_mean(measure, mean, decimals)}"
+        f"{name}\u2003{shown_mean(measure, mean, decimals)}"
         for name, mean in zip(entries["strategy"], entries["mean"])])
     axes.set_ylim(len(entries) - 0.4, -0.6)
     axes.set_title(measure.heading, loc="left")
     unit = f", {measure.shown_unit}" if measure.shown_unit else ""
     axes.set_xlabel((f"difference to {other}" if other else "mean") + unit)
-    return figure
