@@ -11,6 +11,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib
@@ -133,3 +134,14 @@ def svg_file(figure: Figure, title: str) -> str:
     """Return the figure as a document of its own."""
     element = svg(figure, "figure", title)
     return document(*size(element), title, [placed(element, 0.0, 0.0)])
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure that a notebook shows. title: the accessible name."""
+
+    figure: Figure
+    title: str
+
+    def _repr_svg_(self) -> str:
+        return svg_file(self.figure, self.title)

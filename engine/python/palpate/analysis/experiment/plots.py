@@ -37,6 +37,14 @@ def by_rotation_and_haptic(
     Rotation, with 95 % intervals; beside them the paper's means over both rotations, if it has
     them. whose: the trials, for the title."""
     figure, axes = new_figure(WIDTH, HEIGHT)
+    draw_by_rotation_and_haptic(axes, means, outcome, levels, whose)
+    return figure
+
+
+def draw_by_rotation_and_haptic(
+    axes: Any, means: pd.DataFrame, outcome: Outcome, levels: dict[str, list[str]], whose: str
+) -> None:
+    """The same into the axes of a figure with several panels."""
     haptic, rotation = levels["Haptic"], levels["Rotation"]
     lows, highs = [], []
     for r, level in enumerate(rotation):
@@ -62,7 +70,6 @@ def by_rotation_and_haptic(
     n = int(means["participants"].iloc[0])
     _frame(axes, [HAPTIC_TICKS[level] for level in haptic], min(lows), max(highs))
     _name(axes, outcome, "commanded force (Haptic)", f"{outcome.name}: {whose}", n)
-    return figure
 
 
 def angle_by_rotation(means: pd.DataFrame, whose: str, label: str) -> Figure:
