@@ -8,6 +8,7 @@ from result_tables import BadInput
 OPERATORS = ("people2005", "literature")
 LEADING = "delayed"  # the following that the tables show
 DISAGREES = "disagrees"
+UNDECIDED = "undecided"
 
 
 def read(folder):
@@ -85,8 +86,10 @@ def findings_block(results):
     first = next(iter(by_operator.values()))
     wrong = {finding: [name for name, findings in by_operator.items()
                        if findings[finding][1] == DISAGREES] for finding in first}
+    undecided = {name: sum(verdict == UNDECIDED for _, verdict in findings.values())
+                 for name, findings in by_operator.items()}
     lines = [f"- `{name}` disagrees with {sum(name in names for names in wrong.values())} of the "
-             f"paper's {len(first)} findings." for name in results]
+             f"paper's {len(first)} findings; {undecided[name]} are undecided." for name in results]
     lines.append(f"- Both together disagree with {sum(map(bool, wrong.values()))}; "
                  f"{sum(len(names) == len(results) for names in wrong.values())} of them are the same.")
     rows = [(finding, [statement] + [marked(findings[finding][1]) for findings in by_operator.values()])

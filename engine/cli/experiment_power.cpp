@@ -1,6 +1,7 @@
 #include "engine/cli/experiment_power.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "engine/cli/command_help.h"
@@ -39,10 +40,9 @@ std::vector<std::string> power_arguments(const ExperimentPowerRequest& request) 
                                         "--sets=" + std::to_string(request.sets),
                                         "--seed=" + std::to_string(request.seed),
                                         "--jobs=" + std::to_string(request.jobs.value_or(cores))};
-  const std::pair<const char*, std::optional<double>> numbers[] = {
-      {"--error=", request.error_sd},
-      {"--share-u=", request.share_u},
-      {"--share-w=", request.share_w}};
+  const std::pair<const char*, std::optional<double>> numbers[] = {{"--error=", request.error_sd},
+                                                                   {"--share-u=", request.share_u},
+                                                                   {"--share-w=", request.share_w}};
   for (const auto& [option, value] : numbers) {
     if (value) arguments.push_back(option + as_printed(*value));
   }
@@ -88,8 +88,8 @@ int run_power(const ExperimentPowerRequest& request) {
   if (const auto error = check_not_canonical(request.pilot)) return refuse(*error);
   if (const auto error = check_output()) return refuse(*error);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
-  auto files = OutputFiles::create(
-      request.out_dir, {"report.html", "power.json", "needed_people.csv", "power.csv"});
+  auto files = OutputFiles::create(request.out_dir,
+                                   {"report.html", "power.json", "needed_people.csv", "power.csv"});
   if (!files) return refuse(files.error());
   PageOutcome outcome = make_page(power_arguments(request), *files);
   outcome.text += "report.html, power.json and 2 tables are in " + request.out_dir + "/\n";

@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-// What the options say. palpate.analysis.power gives their meaning, and checks what one option alone
-// does not tell.
+// What the options say. palpate.analysis.power gives their meaning, and checks what one option
+// alone does not tell.
 struct ExperimentPowerRequest {
   std::string measure = "time";
   std::string effects;  // "NoH-NoR=29, NoH-R=31, ...", each condition once; empty: the paper's

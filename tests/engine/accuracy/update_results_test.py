@@ -255,7 +255,7 @@ def check_experiment(copy):
            f"| total time, s | `people2005` | {mean_s:.1f} |" in copy.block("experiment"),
            "the page has the mean of NoH")
     expect("| MANOVA, Object | an effect | **disagrees** | agrees |" in copy.block("findings")
-           and "- `people2005` disagrees with 1 of the paper's 17 findings." in copy.block("findings"),
+           and "- `people2005` disagrees with 1 of the paper's 17 findings;" in copy.block("findings"),
            "the page names a finding with which one simulation disagrees")
     result["means"] = [row for row in result["means"] if row["outcome"] != "losses of contact"]
     path.write_text(json.dumps(result))

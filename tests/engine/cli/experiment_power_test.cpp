@@ -126,10 +126,14 @@ TEST_F(ExperimentPowerTest, AnswersWithoutOptionsAndNamesAssumptions) {
        {"8.98 s (paper, F of Haptic; ", ", 9.88 s (paper, F of Rotation; ",
         "u 0.1 to 0.8, w 0.1 to 0.8", "Haptic, Greenhouse-Geisser", "no effect", "H - UaH, Holm",
         "data sets: 200, seed 2005", "note: The model is normal, and the measure is a time",
-        "is an assumption", " people for total time: each effect of the assumed means (Haptic by "
-        "Greenhouse-Geisser, Rotation) then has a power of at least 0.8, if one trial has an error of "
-        "9.88 s with the shares u 0.3 and w 0.1, which are a choice, and a person does 12 trials in a "
-        "condition. Over all 72 assumptions: ", "report.html, power.json and 2 tables are in power/\n"}) {
+        "is an assumption",
+        " people for total time: each effect of the assumed means (Haptic by "
+        "Greenhouse-Geisser, Rotation) then has a power of at least 0.8, if one trial has an error "
+        "of "
+        "9.88 s with the shares u 0.3 and w 0.1, which are a choice, and a person does 12 trials "
+        "in a "
+        "condition. Over all 72 assumptions: ",
+        "report.html, power.json and 2 tables are in power/\n"}) {
     EXPECT_NE(o.out.find(part), std::string::npos) << part << "\n" << o.out;
   }
   for (const auto& [name, text] : results("power")) EXPECT_FALSE(text.empty()) << name;
@@ -183,8 +187,8 @@ TEST_F(ExperimentPowerTest, RefusesAFolderThatCannotBeWrittenBeforeItSimulates) 
   expect_refused({"--sets", "1000000", "--participants", "200", "--out", "file/out"}, {"file"});
 }
 
-// What one option tells is checked here; the rest by palpate.analysis.power, whose lines are those of
-// tests/engine/python/power_report_test.py.
+// What one option tells is checked here; the rest by palpate.analysis.power, whose lines are those
+// of tests/engine/python/power_report_test.py.
 TEST_F(ExperimentPowerTest, RefusesBadOptionsInOneLine) {
   for (const char* const sd : {"0", "-1", "nan", "ten", "1e10"}) {
     expect_refused({"--error", sd},
@@ -222,8 +226,8 @@ TEST_F(ExperimentPowerTest, RefusesBadPilotsInOneLine) {
 TEST_F(ExperimentPowerTest, OptionsReachTheSimulation) {
   const test::Outcome o =
       quick({"--measure", "angle", "--effect", "UaH-NoR=49.4,UaH-R=-32.1", "--error", "12.5",
-             "--share-u", "0.3", "--share-w", "0.1", "--trials", "4", "--seed",
-             "9007199254740991", "--jobs", "1", "--out", "all"});
+             "--share-u", "0.3", "--share-w", "0.1", "--trials", "4", "--seed", "9007199254740991",
+             "--jobs", "1", "--out", "all"});
   EXPECT_EQ(o.exit_code, 0) << o.err;
   const Json settings = Json::parse(content_of(folder.path("all/power.json")))["settings"];
   EXPECT_EQ(settings["measure"], "angle");

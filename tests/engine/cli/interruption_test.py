@@ -274,7 +274,8 @@ def check_studies(palpate, folder, generator):
     whole_s = seconds_of(command, folder)
     study = folder / "study" / "new"
     check({path.name for path in study.iterdir()} ==
-          {"raw.csv", "report.html", "stiffness_zones.csv", "a4_step.svg"},
+          {"raw.csv", "accuracy.json", "report.html", "stiffness_zones.csv", "stiffness.svg",
+           "a4_step.svg"},
           f"{list(study.iterdir())}")
     before = {path.name: path.read_text() for path in study.iterdir()}
     for _ in range(6):

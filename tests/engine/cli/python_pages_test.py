@@ -73,8 +73,8 @@ class Commands:
     def cut_sweep(self, sweep):
         self.cut_plan(sweep["plan"])
         sweep["plan"]["participants"] = 2
-        sweep["parameters"] = {"press_depth_m": [0.004, 0.007], "scale": [0.75, 1]}
-        sweep["hypercube"].update(points=4)
+        sweep["parameters"] = {"press_depth_m": [0.004, 0.007]}
+        sweep["hypercube"].update(points=2)
 
     def run(self, *words, python=None, cwd=None, expected=(0, 3)):
         environment = dict(os.environ)

@@ -11,9 +11,10 @@ from xml.etree import ElementTree
 
 import accuracy_cases as cases
 import numpy as np
+import oracle_cases
 import pytest
 from markupsafe import Markup
-from page_text import visible_text
+from page_text import tables_of, visible_text
 
 from palpate.analysis import figures
 from palpate.analysis.accuracy import command, results, texts
@@ -89,6 +90,59 @@ def test_the_page_says_what_the_page_of_c_plus_plus_said(case, tmp_path, monkeyp
     assert len(added) <= 1 + len(knobs)
     assert all(line.startswith(("Each knob at its default", "recommended: ", "no choice"))
                for line in added), added
+
+
+def knobs_of(table):
+    """The knobs of a raw.csv, with the texts of the case star; it does not have the orders."""
+    texts_by_name = {each["name"]: each for each in cases.facts("star")["knobs"]}
+    header, *lines = table
+    knobs = {}
+    for line in lines:
+        row = dict(zip(header, line))
+        raw = knobs.setdefault(row["knob"], texts_by_name[row["knob"]] | {
+            "methods": [], "presets": [], "recommended": None})
+
+        def spread(of, row=row):
+            names = ("low", "median", "high")
+            return row[of + "_median"] and {name: float(row[f"{of}_{name}"]) for name in names}
+
+        level = {"label": row["level"] or row["preset"], "value": float(row["value"] or 0.0),
+                 "error": spread("error"), "time": spread("time"), "failure": row["failure"],
+                 "iterations": float(row["iterations"] or 0.0), "repeats": int(row["repeats"]),
+                 "failures": int(row["failures"]), "at_floor": row["at_floor"] == "1",
+                 "on_front": row["on_front"] == "1"}
+        if row["preset"]:
+            raw["presets"].append(level)
+            continue
+        if not raw["methods"] or raw["methods"][-1]["name"] != row["method"]:
+            raw["methods"].append({"name": row["method"], "order": None, "expected_order": None,
+                                   "floor": float(row["floor"]), "levels": []})
+        raw["methods"][-1]["levels"].append(level)
+        place = {"method": len(raw["methods"]) - 1, "level": len(raw["methods"][-1]["levels"]) - 1}
+        raw.update({name: place for name, flag in (("recommended", "recommended"),
+                                                   ("default", "is_default")) if row[flag] == "1"})
+    return list(knobs.values())
+
+
+@pytest.mark.parametrize("case", oracle_cases.cases("accuracy", refused=False),
+                         ids=lambda case: case.name)
+def test_tables_have_the_numbers_of_the_oracle(case, tmp_path, monkeypatch):
+    monkeypatch.setattr(drawing, "work_precision", lambda each: (None, None))
+    monkeypatch.setattr(figures, "svg", lambda *_: Markup('<svg viewBox="0 0 1 1"></svg>'))
+    content = cases.facts("star") | {"knobs": knobs_of(case.csv("raw.csv"))}
+    page = made(cases.put("star", tmp_path, content))["report.html"]
+
+    def shown(cell):
+        """Without quartiles that look like the median: they differ beyond the digits kept."""
+        return re.sub(r"^(\S+)(.*) \[\1, \1\]$", r"\1\2", cell)
+
+    def levels(html):
+        tables = [table for table in tables_of(html) if table[0][0] == "level"]
+        return [[list(map(shown, row)) for row in table[1:] if len(row) > 3] for table in tables]
+
+    expected = levels(case.text("report.html"))
+    assert sum(map(len, expected)) > 20
+    assert levels(page) == expected
 
 
 def test_the_same_results_give_the_same_bytes(gallery, tmp_path):
@@ -330,6 +384,14 @@ def test_the_overview_compares_with_what_is_small_enough_and_with_the_default():
     assert (row["time_default"], row["is_default"]) == (1.0, False)
     shown = texts_of(drawing.overview(drawing.overview_table([each, knob("integrator")])))
     assert {"Mesh resolution", "Integrator", "default", "recommended"} <= set(shown)
+
+
+def test_the_caption_of_the_overview_names_a_band_where_there_is_one(sample, gallery):
+    def caption(page):
+        return re.search(r"<figcaption>(Each knob at its default.*?)</figcaption>", page)[1]
+
+    assert "n = 7 knobs that offer a choice. A grey band" in caption(sample[0]["report.html"])
+    assert caption(gallery["report.html"]).endswith("n = 5 knobs that offer a choice.")
 
 
 def test_whiskers_wider_than_the_effect_recommend_nothing():

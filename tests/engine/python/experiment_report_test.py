@@ -20,6 +20,7 @@ from palpate.analysis.experiment import text as texts
 from palpate.analysis.experiment.verdicts import AGREES, DISAGREES, NOT_TESTABLE, VERDICTS
 from palpate.analysis.experiment.outcomes import PAPER_OUTCOMES
 from palpate.analysis.experiment.paper import FINDINGS
+from palpate.analysis.experiment.primary import residuals
 from palpate.analysis.experiment.tables import TABLES
 from palpate.analysis.numbers import df_text, number_or_dash, with_decimals
 from palpate.analysis.statistics import effect_name
@@ -87,6 +88,39 @@ def equal(expected):
 def test_report_has_all_files(people):
     assert set(people.files) == FILES
     assert people.warnings == []
+
+
+def test_report_has_the_parts_of_the_variance(tmp_path):
+    rows = sample_trials(SampleTrials(participants=4))
+    report = written(rows, tmp_path, mixed_model=True)
+    [time, losses, depth] = rows_of(report, "variances")
+    assert (time["outcome"], time["unit"]) == ("total time", "s")
+    assert (time["trials"], time["participants"]) == ("288", "4")
+    table = table_below(page_of(report), "<h3>Parts of the variance of trials</h3>")
+    assert table[1][:2] == ["Total time (s)", number_or_dash(number(time["sd_participants"]))]
+    assert table[1][4:] == [f"{100.0 * number(time['share_of_participants']):.0f} %", "288", "4"]
+
+
+def test_report_has_ratios_of_losses_per_time(people):
+    rows = rows_of(people, "loss_rates")
+    assert [row["pair"] for row in rows] == ["UaH / NoH", "H / NoH", "H / UaH", "R / NoR"]
+    table = table_below(page_of(people), "<h3>Losses of contact per time</h3>")
+    for shown, row in zip(table[1:], rows):
+        low, high = (with_decimals(number(row[end]), 3) for end in ("low_95", "high_95"))
+        ratio = with_decimals(number(row["ratio"]), 3)
+        assert shown[:3] == [row["pair"], ratio, f"{low} to {high}"]
+
+
+def test_report_has_a_picture_of_residuals_of_each_outcome(people, people_analysis):
+    assert page_of(people).count("normal quantile (standard deviations)</text>") == 3
+    found = residuals(people_analysis.experiment, PAPER_OUTCOMES[0]).to_numpy().reshape(10, 24)
+    assert found.sum(axis=0) == pytest.approx(0.0, abs=1e-9)
+    assert found.sum(axis=1) == pytest.approx(0.0, abs=1e-9)
+    # The interaction with participants is the error of repeated measures.
+    grid = people_analysis.experiment.grid(PAPER_OUTCOMES[0]).mean(axis=4).reshape(10, 24)
+    deviations = grid - grid.mean(axis=1, keepdims=True)
+    between = 10.0 * np.square(deviations.mean(axis=0)).sum()
+    assert np.square(found).sum() == equal(np.square(deviations).sum() - between)
 
 
 # The columns that name a row differ between any two rows of a table.
@@ -314,8 +348,9 @@ def test_simulated_operators_are_named_and_people_are_not(simulated, people, tmp
     page = page_of(simulated)
     assert "<title>The paper\u2019s experiment with simulated operators</title>" in page
     for following in ALL_FOLLOWINGS:
-        # In each of the three pictures.
-        assert len(re.findall(f": simulated operators, {following}</text>", page)) == 3
+        # In each of the three pictures of the paper's figures.
+        figures = re.search(f'id="{following}".*?<h3>Residuals', page, re.S)[0]
+        assert len(re.findall(f": simulated operators, {following}</text>", figures)) == 3
     assert "not of people" in page
     assert "The rule of alignment may be one reason." in page
     assert "imulated" not in page_of(people)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from html import escape
 from html.parser import HTMLParser
 
 _HIDDEN = {"style", "script", "svg"}
@@ -101,8 +100,3 @@ def without_drawings(html: str) -> str:
 
     html = re.sub(r"<style\b.*?</style>", "<style></style>", html, flags=re.S)
     return re.sub(r"<svg\b([^>]*)>.*?</svg>", texts, html, flags=re.S)
-
-
-def plain(text: str) -> str:
-    """The text as HTML shows it: for tests of names with markup."""
-    return escape(text)

@@ -2,7 +2,7 @@
 """Runs the tests of the Python package `palpate`, or checks its types.
 
 run.py tests FILE...              these files of this folder, by pytest
-run.py tests --except FILE...     all others
+run.py tests --except FILE...     all others; tests in a browser are scripts of their own
 run.py types CACHE                mypy --strict; CACHE is a folder for what it has read
 
 The interpreter is PALPATE_PYTHON, or the first of `python3` in PATH and /usr/bin/python3 that has all packages.
@@ -36,7 +36,8 @@ def tests(words):
     missing = sorted(str(path) for path in named if not path.is_file())
     if missing or not named:
         sys.exit(f"expected files of {HERE}: {', '.join(missing) or 'at least one'}")
-    files = sorted(set(HERE.glob("*_test.py")) - named if is_without else named)
+    others = {path for path in HERE.glob("*_test.py") if not path.name.endswith("_browser_test.py")} - named
+    files = sorted(others if is_without else named)
     return run("pytest", "-q", "-p", "no:cacheprovider", "-c", ROOM / "pyproject.toml", "--rootdir", HERE, *files)
 
 

@@ -286,6 +286,18 @@ def test_paired_t_of_equal_means_is_0_without_rounding_noise():
     assert st.paired_t([1.3, 0.7, 1.1], [0.7, 1.1, 1.3]).t == 0.0
 
 
+# The ends of the interval are the noncentralities with which t has a tail of 2.5 %.
+def test_standardized_difference_has_the_interval_of_the_noncentral_t():
+    from scipy.stats import nct
+
+    test = st.paired_t(FIVE_BY_THREE[:, 1], FIVE_BY_THREE[:, 0])
+    d, low, high = st.standardized(test)
+    assert d == pytest.approx(test.t / sqrt(5), rel=1e-4)
+    assert nct.sf(test.t, 4, low * sqrt(5)) == pytest.approx(0.025, rel=1e-3)
+    assert nct.cdf(test.t, 4, high * sqrt(5)) == pytest.approx(0.025, rel=1e-3)
+    assert np.isnan(st.standardized(st.paired_t([1.0], [2.0]))).all()
+
+
 # One factor of two levels: F is the square of the paired t.
 def test_repeated_measures_of_two_levels_are_the_paired_t():
     table = random(18003).standard_normal((9, 2))

@@ -508,6 +508,22 @@ def test_page_shows_names_with_markup_as_text():
     assert page.count("<svg ") == 1
 
 
+def test_page_says_first_what_simulated_persons_cannot_show():
+    def mean(person, haptic, rotation, measure):
+        return 0.05 + 0.001 * person if measure == PENETRATION else 1.0
+
+    rows = rows_of(("base", "", {"scale": 1.0}, 2, mean), level("scale", 0.5, 2, mean),
+                   drawn({"scale": 1.0}, any_mean))
+    page = command.report(points.sweep_of(rows), RUN).files["report.html"]
+    assert page.index("Simulated persons are not people") < page.index("For each ranking")
+    assert ("losses of contact, Haptic (H &lt; UaH &lt; NoH; holds at 0 of 1 testable points): a "
+            "person does not use the force") in page
+    # 5.1 and 5.2 mm
+    assert "2 persons at the base plan has a standard deviation of 0.071 mm" in page
+    assert "with a mean of 5.2 mm" in page or "with a mean of 5.1 mm" in page
+    assert page.count(">by construction<") == 2  # time by Rotation, losses by Haptic
+
+
 GOOD = ("1,base,,,,,,,,1000,0.005,delayed,nearest,0,0.3,1,NoH,NoR,1,1,0,0,30,7.1,5,0.05,50.8")
 
 

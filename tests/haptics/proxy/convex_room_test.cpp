@@ -115,17 +115,17 @@ TEST(NearestInARoom, IsThatOfABox) {
 
 // W^(1/2) of an anisotropic norm in long double, from the norm's definition; the unit matrix
 // without a norm.
-struct Stretch {
+struct OutsideStretch {
   using Matrix = Eigen::Matrix<Wide, 3, 3>;
   std::optional<AnisotropicNorm> norm;
   Matrix root = Matrix::Identity();
 
   // The norm of a device with one or two motors.
-  static Stretch anisotropic(Random& random) {
+  static OutsideStretch anisotropic(Random& random) {
     const double anisotropy = std::pow(16.0, random.uniform(-1.0, 1.0));
     std::vector<Vec3> axes{random.unit_vector()};
     if (random.index(2)) axes.push_back(axes[0].unitOrthogonal());
-    Stretch stretch;
+    OutsideStretch stretch;
     stretch.norm.emplace(anisotropy, axes);
     Matrix P = Matrix::Zero();
     for (const Vec3& axis : axes) P += axis.cast<Wide>() * axis.cast<Wide>().transpose();
@@ -172,7 +172,7 @@ void expect_rests_at_the_projection(test::ProxyKind kind, bool with_norm) {
     god_object.place(start);
     ProxyState state;
     state.proxy = start;
-    const Stretch stretch = with_norm ? Stretch::anisotropic(random) : Stretch{};
+    const OutsideStretch stretch = with_norm ? OutsideStretch::anisotropic(random) : OutsideStretch{};
     RestHand hand(triangles, {}, radius_m, stand_off_m, 0.0, start, random);
     for (int tick = 0; tick < kTicksPerRoom; ++tick) {
       const Vec3 goal = hand.next_goal(state);

@@ -141,6 +141,12 @@ TEST(StrategyTrialsFile, HasTheNewMeasuresAndTheStrategyBeforeTheLevelsOfThePlan
             2 + std::count(columns.begin(), columns.end(), ','));
 }
 
+// The package reads a table without a folder of results by this copy.
+TEST(StrategyTrialsFile, HasTheColumnsThatPythonReads) {
+  EXPECT_EQ(columns_csv(TrialColumns::kStrategies),
+            bytes_of(PALPATE_MODELS_DIR "/../engine/python/palpate/analysis/columns.csv"));
+}
+
 TrialRow row_with_strategy() {
   TrialRow row;
   row.following = "delayed";

@@ -46,8 +46,8 @@ def _content(measured: Results, panels: Sequence[Any], chapters: list[dict[str, 
         "advice": facts["advice"],
         "overview": picture,
         "overview_knobs": len(table),
-        "overview_has_zero": not table.empty and bool((table.filter(regex="(default|best)$") <= 0.0)
-                                                      .any(axis=None)),
+        "overview_has_zero": bool((table.filter(regex="^(error|time)_(default|best)$") <= 0.0)
+                                  .to_numpy().any()),
         "repeats": facts["repeats"],
         "scene": facts["scene"] and scene.content(facts["scene"]),
         "stiffness": stiffness,

@@ -73,8 +73,8 @@ class _Diagram:
         self.knob = knob
         self.levels = knob.levels[knob.levels["counts"]]
         self.presets = knob.presets[knob.presets["counts"]]
-        shown = pd.concat([self.levels, self.presets])
-        self.axes = {of: log_axis(shown[of], self.levels[[of + "_low", of + "_high"]],
+        self.axes = {of: log_axis(np.concatenate([self.levels[of], self.presets[of]]),
+                                  self.levels[[of + "_low", of + "_high"]],
                                   knob.facts[of]["unit"]) for of in ("error", "time")}
         self.axes["value"] = log_axis(self.levels["value"], [], knob.facts["level"]["unit"])
         self._name_levels()
@@ -397,7 +397,7 @@ _BEST_POINT: dict[str, Any] = {"marker": "o", "markersize": 10, "color": COLOURS
 def _overview_panel(ax: Any, table: pd.DataFrame, of: str, name: str) -> None:
     names = ("default", "best")
     shown = table.dropna(subset=[f"{of}_default"])
-    axis = log_axis(pd.concat([shown[f"{of}_{n}"] for n in names] + [pd.Series([1.0])]),
+    axis = log_axis(np.concatenate([*(shown[f"{of}_{n}"] for n in names), [1.0]]),
                     shown[[f"{of}_{n}{end}" for n in names for end in ("_low", "_high")]], "", 4)
     axis.draw(ax.xaxis)
     ax.axvline(0.0, color=INK, linewidth=1.0)

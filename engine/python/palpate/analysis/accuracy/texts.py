@@ -174,10 +174,10 @@ def caption(knob: Knob) -> str:
         text += "Open points are at the floor. "
         if counting["at_floor"].all():
             text += "All levels are: they differ in time alone. "
-    shown = pd.concat([counting, presets[presets["counts"]]])
+    shown = [counting[["error", "time", "value"]], presets[presets["counts"]][["error", "time"]]]
     if not (counting["error"] > 0.0).any():
         text += "No level has an error above 0. "
-    elif ((shown[["error", "time"]] <= 0.0).any(axis=None) or (counting["value"] <= 0.0).any()):
+    elif any((numbers <= 0.0).to_numpy().any() for numbers in shown):
         text += "A grey band holds values of exactly 0, which a logarithmic axis cannot show. "
     if len(counting) < len(levels):
         text += "Failed levels are not drawn; they are listed below. "

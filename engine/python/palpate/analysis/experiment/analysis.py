@@ -25,8 +25,8 @@ from .verdicts import AGREES, DISAGREES
 @dataclass
 class OperatorAnalysis:
     """The analysis of an experiment. paper: None if it is not possible; paper_problem states why.
-    angle_of_uah: Figure 7. variances: of the paper's outcomes. loss_rates: None if the trials do not
-    determine them. notes: what was left out, and why: sentences."""
+    angle_of_uah: Figure 7. variances: of the paper's outcomes. loss_rates: None if the trials do
+    not determine them. notes: what was left out, and why: sentences."""
 
     experiment: Experiment
     paper: AsPaper | None = None

@@ -1,7 +1,7 @@
 """Losses of contact as counts, with the time of the trial as exposure: ratios of rates.
 
-log E(losses) = log(time) + participant + Haptic + Rotation + Object + Trial, with a variance that is
-proportional to the mean (quasi-Poisson). A condition that takes longer has more losses for this
+log E(losses) = log(time) + participant + Haptic + Rotation + Object + Trial, with a variance that
+is proportional to the mean (quasi-Poisson). A condition that takes longer has more losses for this
 reason alone; in a ratio of rates it has not.
 """
 

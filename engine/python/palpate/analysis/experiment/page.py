@@ -20,7 +20,7 @@ from .experiments import ROTATION
 from .findings import FindingResult
 from .outcomes import PAPER_OUTCOMES, PENETRATION, TIME, Outcome
 from .paper import FINDINGS, MEANS, equivalence_margin
-from .primary import Primary
+from .primary import Primary, residuals
 from .verdicts import NOT_TESTABLE, VERDICTS
 
 NOT_DRAWN = "figure: no participant has completed trials in all its conditions"
@@ -100,10 +100,11 @@ def _spread(analysis: ExperimentAnalysis) -> dict[str, Any] | None:
     return None
 
 
-def _lines(words: str) -> list[str]:
-    """Statistics and means on a line each, without a line break within a p value."""
+def _lines(words: str) -> list[page_tables.Cell]:
+    """Statistics and means on a line each, without a line break within a p value. What is the
+    paper's has the quiet colour."""
     words = words.replace("p = ", "p\u00a0=\u00a0").replace("p < ", "p\u00a0<\u00a0")
-    return words.split("; ")
+    return [page_tables.quiet(line, line.startswith("the paper ")) for line in words.split("; ")]
 
 
 def _result(result: FindingResult) -> dict[str, Any]:
@@ -157,6 +158,7 @@ def _operator(each: OperatorAnalysis, warnings: list[str]) -> dict[str, Any]:
         "loss_rates": page_tables.loss_rates(each),
         "dispersion": number_or_dash(each.loss_rates.dispersion) if each.loss_rates else "",
         "loss_trials": each.loss_rates.trials if each.loss_rates else 0,
+        "residuals": _residuals(each, anchor),
         "missing_trials": page_tables.missing(experiment),
     }
 
@@ -176,6 +178,19 @@ def _panel(
         return f"{title}: no diagram: {NOT_DRAWN}"
     identifier = re.sub(r"[^A-Za-z0-9-]", "-", anchor)
     return svg(draw(), f"{identifier}-{name}", whose)
+
+
+def _residuals(each: OperatorAnalysis, anchor: str) -> list[Markup | str]:
+    """Pictures of the residuals of the paper's outcomes."""
+    pictures: list[Markup | str] = []
+    identifier = re.sub(r"[^A-Za-z0-9-]", "-", anchor)
+    for outcome in PAPER_OUTCOMES:
+        rest = residuals(each.experiment, outcome)
+        if outcome in each.primary and len(rest):
+            figure = plots.residual_quantiles(rest, outcome, each.whose_trials)
+            name = f"Residuals, {outcome.name}, {each.whose_trials}"
+            pictures.append(svg(figure, f"{identifier}-residuals-{outcome.key}", name))
+    return pictures
 
 
 def _of_haptic(each: OperatorAnalysis, outcome: Outcome) -> Callable[[], Figure] | None:

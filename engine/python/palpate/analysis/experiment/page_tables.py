@@ -48,9 +48,13 @@ def _strong(words: str, is_strong: bool) -> Cell:
     return {"kind": "strong", "text": words} if is_strong else words
 
 
-def _of_paper(words: str) -> Cell:
+def quiet(words: str, is_quiet: bool = True) -> Cell:
     """In the quiet colour."""
-    return {"kind": "quiet", "text": words} if words else ""
+    return {"kind": "quiet", "text": words} if is_quiet else words
+
+
+def _of_paper(words: str) -> Cell:
+    return quiet(words, bool(words))
 
 
 def _p(p: float) -> Cell:
@@ -202,9 +206,18 @@ def pairs(primary: Primary) -> Table | None:
             difference = interval(pair["difference"], pair["half_width"], decimals)
             df = "-" if np.isnan(pair["df"]) else df_text(pair["df"])
             test = [number_or_dash(pair["t"]), df, p_number(pair["p"]), _p(pair["p_holm"])]
-            rows.append([pair["pair"], difference, *test, pair["pairs"]])
-    heads = ["pair", "difference, 95 % interval", "t", "df", "p", "Holm p", "n participants"]
+            rows.append([pair["pair"], difference, _size(pair), *test, pair["pairs"]])
+    heads = ["pair", "difference, 95 % interval", "d, 95 % interval", "t", "df", "p", "Holm p"]
+    heads.append("n participants")
     return Table(heads, rows) if rows else None
+
+
+def _size(pair: Any) -> str:
+    """ "1.2 (0.4 to 2)"; "-"."""
+    if np.isnan(pair["d_z"]):
+        return "-"
+    d, low, high = (number_or_dash(pair[name]) for name in ("d_z", "d_z_low", "d_z_high"))
+    return f"{d} ({low} to {high})"
 
 
 def plsd(outcome: Outcome, pairs_of_outcome: pd.DataFrame) -> Table | None:

@@ -181,7 +181,7 @@ FINDINGS: tuple[Finding, ...] = (
     *(Finding(None, term, Claim.MULTIVARIATE, "an effect") for term in MANOVA),
 )
 
-# What simulated persons cannot show, because they are built so: the outcome and the effect, and why.
+# What simulated persons cannot show, because they are built so: outcome, effect, and why.
 BY_CONSTRUCTION: tuple[tuple[Outcome | None, Term, str], ...] = (
     (PENETRATION, H, "force makes the penetration smaller because both hands are springs"),
     (ANGLE, R, "rotation makes the contact angle smaller because A4 turns the normal to the motor"),

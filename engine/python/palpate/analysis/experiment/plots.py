@@ -6,11 +6,13 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from scipy import special
 
 from palpate.analysis.figures import COLOURS, MARKERS, new_figure
-from palpate.analysis.numbers import with_unit
+from palpate.analysis.numbers import number_or_dash, with_unit
 
 from .outcomes import ANGLE, Outcome
 from .paper import MEANS
@@ -83,6 +85,25 @@ def angle_by_rotation(means: pd.DataFrame, whose: str, label: str) -> Figure:
     _frame(axes, [f"{r}\n{ROTATION_TEXTS[r]}" for r in means["Rotation"]], low, high)
     n = int(means["participants"].iloc[0])
     _name(axes, ANGLE, "rotation of the scene", f"contact angle in UaH: {whose}", n)
+    return figure
+
+
+def residual_quantiles(residuals: pd.Series[float], outcome: Outcome, whose: str) -> Figure:
+    """Residuals against the quantiles of the normal distribution, both in standard deviations: on
+    the line if they are normal."""
+    figure, axes = new_figure(WIDTH, HEIGHT)
+    values = np.sort(residuals.to_numpy()) / residuals.std()
+    n = len(values)
+    quantiles = special.ndtri((np.arange(n) + 0.5) / n)
+    axes.plot(quantiles, values, "o", markersize=3, color=COLOURS[0], label=f"{n} residuals")
+    ends = quantiles[[0, -1]]
+    axes.plot(ends, ends, "--", color=PAPER_COLOUR, label="normal distribution")
+    axes.set_xlabel("normal quantile (standard deviations)")
+    axes.set_ylabel("residual (standard deviations)")
+    title = f"{outcome.name[0].upper()}{outcome.name[1:]}: {whose}"
+    sd = f"{number_or_dash(float(residuals.std()))} {outcome.unit}".rstrip()
+    axes.set_title(f"{textwrap.fill(title, MOST_LETTERS)}\nstandard deviation {sd}", loc="left")
+    axes.legend(loc="upper left")
     return figure
 
 

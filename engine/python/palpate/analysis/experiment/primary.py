@@ -7,7 +7,7 @@ participants who have all cells that it needs, and states their number.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import astuple, dataclass
 from itertools import combinations
 
 import numpy as np
@@ -21,8 +21,9 @@ from palpate.analysis.statistics import (
     holm,
     paired_t,
     repeated_measures_of,
+    standardized,
 )
-from palpate.analysis.statistics.types import Array
+from palpate.analysis.statistics.types import EPSILON, Array
 
 from .experiments import CONDITION, FACTORS, Experiment
 from .outcomes import Outcome
@@ -36,7 +37,8 @@ class Primary:
 
     effects: `term`, `participants` and EFFECT, which are NaN if fewer than two participants have
     all cells, or if the effect is the same for all of them.
-    pairs: `family`, `pair`, the attributes of PairedT and `p_holm`, adjusted within the family.
+    pairs: `family`, `pair`, the attributes of PairedT, `p_holm`, adjusted within the family, and
+    `d_z`, `d_z_low` and `d_z_high` (standardized()).
     cells: the participants' means by participant, Haptic and Rotation; NaN: not all conditions.
     means: `Haptic`, `Rotation` ("all": over all levels), `mean`, `half_width` (Cousineau-Morey) and
     `participants`; the levels of Haptic, those of Rotation, then their combinations. The means of
@@ -85,6 +87,20 @@ def analyse_repeated_measures(
     )
 
 
+def residuals(experiment: Experiment, outcome: Outcome) -> pd.Series[float]:
+    """Of the participants who have all conditions: their means of conditions, without the mean of
+    the participant and that of the condition. Empty with fewer than two of them, and if they are
+    rounding."""
+    cells = _mean_of_those_there(experiment.grid(outcome))
+    table = cells.reshape(len(cells), -1)
+    table = table[~np.isnan(table).any(axis=1)]
+    if len(table) < 2 or table.shape[1] < 2:
+        return pd.Series(dtype=float)
+    rest = table - table.mean(axis=1, keepdims=True) - table.mean(axis=0) + table.mean()
+    rounding = sum(table.shape) * EPSILON * np.abs(table).max()
+    return pd.Series(rest.ravel() if np.abs(rest).max() > rounding else [], dtype=float)
+
+
 def _mean_of_those_there(grid: Array) -> Array:
     """The means over the last axis without NaN; NaN where nothing else is."""
     there = np.count_nonzero(~np.isnan(grid), axis=-1)
@@ -123,11 +139,10 @@ def _pairs(by_levels: Array, levels: dict[str, list[str]]) -> pd.DataFrame:
             )
             for h, level in enumerate(haptic)
         ]
-    columns = ["family", "pair", *PairedT.__dataclass_fields__]
-    pairs = pd.DataFrame(
-        [{"family": family, "pair": pair, **asdict(test)} for family, pair, test in rows],
-        columns=columns,
-    )
+    sizes = ["d_z", "d_z_low", "d_z_high"]
+    columns = ["family", "pair", *PairedT.__dataclass_fields__, *sizes]
+    values = [(family, pair, *astuple(test), *standardized(test)) for family, pair, test in rows]
+    pairs = pd.DataFrame(values, columns=columns)
     p_holm = [holm(group) for _, group in pairs.groupby("family", sort=False, observed=True)["p"]]
     return pairs.assign(p_holm=np.concatenate([*p_holm, np.empty(0)]))
 

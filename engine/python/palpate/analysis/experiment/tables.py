@@ -23,7 +23,7 @@ COLUMNS = {
     "effects": """following analysis outcome effect wilks_lambda f df1 df2 p gg_epsilon gg_p
         partial_eta2 generalized_eta2 trials participants paper_lambda paper_f paper_p""",
     "comparisons": """following analysis outcome unit family pair difference half_width_95 t df p
-        p_holm least_significant_difference participants""",
+        p_holm least_significant_difference participants d_z d_z_low_95 d_z_high_95""",
     "means": """following of outcome unit haptic rotation object n mean sd half_width_95 paper_mean
         paper_sd""",
     "missing_trials": """following haptic rotation object done timeouts faults absent timeout_share
@@ -137,7 +137,12 @@ def _comparisons(_: ExperimentAnalysis, each: OperatorAnalysis) -> pd.DataFrame:
     for primary in each.primaries:
         kind = "paired t, UaH" if primary.only_haptic else "paired t"
         frame = primary.pairs.rename(
-            columns={"half_width": "half_width_95", "pairs": "participants"}
+            columns={
+                "half_width": "half_width_95",
+                "pairs": "participants",
+                "d_z_low": "d_z_low_95",
+                "d_z_high": "d_z_high_95",
+            }
         )
         frames.append(_with_outcome(frame.assign(analysis=kind), primary.outcome))
     return _stacked(frames)

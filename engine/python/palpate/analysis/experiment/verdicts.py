@@ -14,7 +14,14 @@ from itertools import combinations
 import numpy as np
 
 from palpate.analysis.numbers import number_or_dash, p_text
-from palpate.analysis.statistics import SIGNIFICANCE, PairedT, holm, paired_t, t_for_coverage, t_tail
+from palpate.analysis.statistics import (
+    SIGNIFICANCE,
+    PairedT,
+    holm,
+    paired_t,
+    t_for_coverage,
+    t_tail,
+)
 from palpate.analysis.statistics.types import Array
 
 from .experiments import Experiment

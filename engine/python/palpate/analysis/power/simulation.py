@@ -66,6 +66,7 @@ class Scores:
         n = np.arange(1.0, len(scores) + 1.0)[:, None, None]
         means = scores.cumsum(axis=0) / n
         squares = (np.square(scores).cumsum(axis=0) - n * np.square(means))[1:]
+        squares = np.maximum(squares, EPSILON**2)  # two scores may be equal to within rounding
         factor = n[1:] * (n[1:] - 1.0) / squares.sum(axis=1, keepdims=True)
         # F is the square of the standardised mean: of `effect` alone, plus that of the noise.
         self._scale = np.sqrt(factor[:, 0])

@@ -4,7 +4,7 @@ Arrays may have leading axes (`...`): each function then answers for every data 
 once. A value that the data do not determine is NaN.
 """
 
-from .comparisons import PairedT, fisher_plsd, holm, paired_t
+from .comparisons import PairedT, fisher_plsd, holm, paired_t, standardized
 from .distributions import (
     f_for_tail,
     f_tail,
@@ -30,6 +30,6 @@ __all__ = [
     "COVERAGE", "SIGNIFICANCE", "Design", "DesignError", "Fit", "FixedEffect", "MeanInterval",
     "PairedT", "RepeatedEffect", "RepeatedMeasures", "Term", "Wilks", "all_terms",
     "clopper_pearson", "cousineau_morey", "effect_name", "f_for_tail", "f_tail", "fisher_plsd",
-    "holm", "mean_interval", "paired_t", "rao", "repeated_measures", "repeated_measures_of",
+    "holm", "mean_interval", "paired_t", "rao", "repeated_measures", "repeated_measures_of", "standardized",
     "t_for_coverage", "t_tail", "t_two_sided", "wilson", "z_for_coverage",
 ]  # fmt: skip

@@ -7,8 +7,10 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
+from scipy import special
 
 from .distributions import t_for_coverage, t_two_sided
+from .intervals import COVERAGE
 from .types import EPSILON, Array
 
 
@@ -45,6 +47,17 @@ def paired_t(a: ArrayLike, b: ArrayLike) -> PairedT:
     half_width = float(t_for_coverage(n - 1.0) * error)
     p = float(t_two_sided(t, n - 1.0))
     return PairedT(n, mean, float(t), n - 1.0, p, half_width, float(error))
+
+
+def standardized(test: PairedT) -> tuple[float, float, float]:
+    """The difference in standard deviations of the differences (Cohen's d_z = t / sqrt(n)), and the
+    low and high end of its 95 % interval by the noncentral t, to 5 digits; NaN without a t."""
+    if np.isnan(test.t):
+        return np.nan, np.nan, np.nan
+    root, tail = np.sqrt(test.pairs), 0.5 * (1.0 - COVERAGE)
+    ends = [special.nctdtrinc(test.df, p, test.t) for p in (1.0 - tail, tail)]
+    d, low, high = (float(f"{value / root:.5g}") for value in (test.t, *ends))
+    return d, low, high
 
 
 def fisher_plsd(

@@ -48,7 +48,7 @@ def _page(sweep: Sweep, found: Findings, ran: measured.Run) -> str:
     blocks = sweep.points["block"].value_counts()
     return page.page(
         "sweep.html.j2", title=f"Which assumptions about the hand decide: {ran.plan}",
-        chance=texts.CHANCE, persons=texts.persons(sweep), shares=texts.SHARES,
+        construction=texts.construction(found, sweep), chance=texts.CHANCE, persons=texts.persons(sweep), shares=texts.SHARES,
         points=blocks["hypercube"], rankings=rankings, flips=texts.flips(found.flips),
         axes=[_axis(sweep, found, parameter) for parameter in sweep.varied],
         facts=_facts(sweep, ran, blocks))

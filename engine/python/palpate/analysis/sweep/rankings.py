@@ -27,6 +27,7 @@ class Ranking:
     ascending: dict[str, Level]
     statement: str
     is_of_paper: bool = True  # otherwise: A4 improves the measure of UaH
+    by_construction: str = ""  # why a simulated person cannot show this order; "": it can
 
     @property
     def name(self) -> str:
@@ -39,14 +40,14 @@ class Ranking:
         return " < ".join(self.ascending)
 
 
-def _haptic(measure: Measure, statement: str) -> Ranking:
+def _haptic(measure: Measure, statement: str, by_construction: str = "") -> Ranking:
     levels = {name: tuple((name, rotation) for rotation in ROTATIONS) for name in reversed(HAPTICS)}
-    return Ranking(measure, "Haptic", levels, statement)
+    return Ranking(measure, "Haptic", levels, statement, by_construction=by_construction)
 
 
-def _rotation(measure: Measure, statement: str) -> Ranking:
+def _rotation(measure: Measure, statement: str, by_construction: str = "") -> Ranking:
     levels = {name: tuple((haptic, name) for haptic in HAPTICS) for name in ROTATIONS}
-    return Ranking(measure, "Rotation", levels, statement)
+    return Ranking(measure, "Rotation", levels, statement, by_construction=by_construction)
 
 
 _IN_UAH: dict[str, Level] = {name: (("UaH", name),) for name in reversed(ROTATIONS)}
@@ -55,8 +56,12 @@ _IN_UAH: dict[str, Level] = {name: (("UaH", name),) for name in reversed(ROTATIO
 # it smaller in UaH. The paper reports the latter for the contact angle.
 RANKINGS = (
     _haptic(_TIME, "H is quickest, then UaH, then NoH"),
-    _rotation(_TIME, "rotation takes longer"),
-    _haptic(_LOSSES, "H loses contact least often, then UaH, then NoH"),
+    _rotation(_TIME, "rotation takes longer",
+              "a person goes on at the same pace while the scene turns; only one with the following "
+              "frozen falls behind it"),
+    _haptic(_LOSSES, "H loses contact least often, then UaH, then NoH",
+            "a person does not use the force that is felt to stay at the wall; it only pushes the "
+            "hand away from it"),
     _rotation(_LOSSES, "with rotation, contact is lost more often"),
     _haptic(_PENETRATION, "H is least deep, then UaH, then NoH"),
     Ranking(_ANGLE, "Rotation", _IN_UAH, "in UaH, rotation makes the angle smaller"),

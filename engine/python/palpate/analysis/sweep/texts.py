@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+
 import pandas as pd
 
 from palpate.analysis.sweep.findings import Findings, Row, Rows, axis_of
 from palpate.analysis.sweep.points import Parameter, Sweep
+from palpate.analysis.sweep.rankings import RANKINGS
 
 SHARES = ("Shares are of our ranges, not of people: they say at how many drawn hands and devices a "
           "ranking holds, and nobody knows how people are spread over these ranges.")
@@ -57,6 +60,41 @@ def decisive(findings: Findings, row: Row, parameters: dict[str, Parameter]) -> 
     text = "; ".join(f"{parameters[name].label}: {parts_by(findings, row['ranking'], name)}"
                      for name in names)
     return f"{text or 'none beyond chance'} (p = {row['p']:.2g})"
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Of the mean penetration over conditions, between the persons of the base plan."""
+
+    persons: int
+    mean_mm: float
+    sd_mm: float  # NaN below two persons
+
+
+def spread_of_persons(sweep: Sweep) -> Spread:
+    is_base = sweep.points["block"] == "base"
+    if not is_base.any():
+        return Spread(0, math.nan, math.nan)
+    cells = sweep.cells["mean_penetration_dm"].loc[is_base.idxmax()]
+    of_person_mm = 100.0 * cells.mean(axis=1, skipna=False).dropna()
+    return Spread(len(of_person_mm), float(of_person_mm.mean()), float(of_person_mm.std()))
+
+
+def construction(findings: Findings, sweep: Sweep) -> list[str]:
+    """What the model of a person fixes, so that no count of this sweep is evidence of it."""
+    facts = ["They do not learn, and they use what they see, not the force that they feel: only the "
+             "passive hand (its mass, stiffness and damping) meets that force."]
+    for ranking, row in zip(RANKINGS, findings.rankings):
+        if ranking.by_construction:
+            where = (f"holds at {row['holds']} of {row['points']} testable points" if row["points"]
+                     else "not testable")
+            facts.append(f"{ranking.name} ({ranking.order}; {where}): {ranking.by_construction}.")
+    spread = spread_of_persons(sweep)
+    if not math.isnan(spread.sd_mm):
+        facts.append("They differ as much as their ranges state: the mean penetration of "
+                     f"{spread.persons} persons at the base plan has a standard deviation of "
+                     f"{spread.sd_mm:.2g} mm between them, with a mean of {spread.mean_mm:.2g} mm.")
+    return facts
 
 
 def persons(sweep: Sweep) -> str:
