@@ -27,6 +27,7 @@ GROUPS = [
     [("energy of turning", "energy of turning", 1e3, "%.0f mJ")],
 ]
 SHOWN = ("reference", "technique")
+DRAWN = ("contact angle", "penetration", "losses of contact", "port work")
 
 
 def read(folder):
@@ -66,7 +67,7 @@ def figure_table(result):
     """What palpate.analysis.results.strategies draws."""
     keys = ("measure", "strategy", "role", "mean", "half_width", "minus_mask", "mask_half_width",
             "minus_a4", "a4_half_width")
-    return [{key: row[key] for key in keys} for row in result["means"]]
+    return [{key: row[key] for key in keys} for row in result["means"] if row["measure"] in DRAWN]
 
 
 def measured(result, measure):
