@@ -571,7 +571,7 @@ TEST(TrialsFile, ColumnsDescribeEveryColumn) {
   const auto lines = std::count(text.begin(), text.end(), '\n');
   const auto commas = std::count(trials_columns().begin(), trials_columns().end(), ',');
   EXPECT_EQ(lines, 1 + commas + 1);
-  EXPECT_TRUE(text.starts_with("name,unit,meaning,paper\nfollowing,"));
+  EXPECT_TRUE(text.starts_with("name,unit,meaning,paper,presence,values\nfollowing,"));
   EXPECT_TRUE(trials_columns().starts_with(
       "following,participant,block,trial,haptic,rotation,object,attempt,status,total_time_s,"));
   EXPECT_TRUE(

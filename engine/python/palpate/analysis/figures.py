@@ -99,7 +99,7 @@ def svg(figure: Figure, name: str, title: str) -> Markup:
     size = re.search(r'width="([\d.]+)pt" ', head)
     head = re.sub(r'\s(width|height|version)="[^"]*"', "", head)
     width = f' style="width:{float(size[1]):.0f}px"' if size else ""
-    return Markup(f'{head} role="img" aria-label="{label}"{width}>\n<title>{label}</title>'
+    return Markup(f'{head} role="img" aria-label="{label}"{width}>\n<title>{label}</title>\n'
                   f"{rest.strip()}")
 
 
