@@ -219,12 +219,13 @@ def check_markers(copy):
 
 def check_pictures(copy):
     for figure in (copy.a4_figure, copy.root / "haptics/proxy/groove.svg"):
-        drawn = figure.read_text()
-        figure.write_text(drawn.replace("<path", "<path class='x'", 1))
+        figure.write_text(figure.read_text().replace("<path", "<path class='x'", 1))
         expect_refused(copy, f"--check reports a changed {figure.name}", figure.name)
         figure.unlink()
         expect_refused(copy, f"--check reports a missing {figure.name}", figure.name)
-        expect(copy.run()[0] == 0 and figure.read_text() == drawn, f"{figure.name} is drawn again")
+        # Other versions of matplotlib give other bytes.
+        expect(copy.run()[0] == 0 and "<path" in figure.read_text() and copy.run("--check")[0] == 0,
+               f"{figure.name} is drawn again")
     committed = copy.objects.read_text()
     objects = json.loads(committed)
     objects["star"][1]["losses_of_contact"] = 4321

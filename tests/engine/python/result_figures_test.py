@@ -305,10 +305,13 @@ def test_all_committed_figures_are_found():
 
 @pytest.mark.parametrize("path", FIGURES, ids=lambda path: path.name)
 def test_a_figure_is_legible_on_both_grounds(path):
-    """It has no ground of its own, and its colours keep a contrast of 4 on both."""
+    """It has no ground of its own, or one that is light or dark as the reader prefers; its colours keep
+    a contrast of 4 on both."""
     text = path.read_text(encoding="utf-8")
     body = text.split("</defs>")[-1] if "</style>" not in text else re.sub(
         r"<style.*?</style>", "", text, flags=re.DOTALL)
+    if "prefers-color-scheme:dark" in text:
+        body = re.sub(r'<rect class="ground"[^>]*>', "", body)
     assert not re.search(r"""<rect[^>]*fill=.#ffffff|fill: #ffffff""", body, re.IGNORECASE)
     colours = colours_of(body)
     assert colours and all(re.fullmatch("#[0-9a-f]{6}", colour) for colour in colours), colours
