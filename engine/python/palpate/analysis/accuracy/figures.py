@@ -33,7 +33,7 @@ _LONGEST_LEGEND, _LONGEST_OF_TWO, _LONGEST_LABEL, _LONGEST_LINE = 56, 30, 24, 42
 _MOST_NAMED_LEVELS = 3
 _SLOPE_BELOW = 0.06  # of the axis
 
-_GREY = "#808080"
+_GREY = "#7c7c7c"
 _PRESET_MARKERS = ("v", "s", "D")  # open and larger than points
 _FRONT_LINE: dict[str, Any] = {"color": _GREY, "alpha": 0.35, "linewidth": 5}
 _FRONT_RING: dict[str, Any] = {"marker": "o", "markersize": 11, "color": _GREY, "linestyle": "none",

@@ -21,7 +21,7 @@ from .paper import MEANS
 WIDTH, HEIGHT = 390, 340
 MOST_LETTERS = 50  # of a line of the title
 DODGE, PAPER_DODGE = 0.06, 0.18  # between curves, and of the paper's means, in levels
-PAPER_COLOUR = "#808080"
+PAPER_COLOUR = "#7c7c7c"  # a contrast of 4 on white and on dark ground
 # The vertical axis begins at 0 if the lowest value is less than this share of the highest one.
 NEAR_ZERO = 0.4
 MARGIN = 0.1  # of the range of the values, on each side
