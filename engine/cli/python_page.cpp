@@ -26,22 +26,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The exit codes of kStart are apart from those of an interpreter that fails by itself (1, 2).
-constexpr int kMadeCode = 64, kRefusedCode = 66, kPackagesCode = 93;
+// The exit codes of kStart are apart from those of an interpreter or a script that fails by itself.
+constexpr int kMadeCode = 64, kRefusedCode = 66, kFailedCode = 65, kPackagesCode = 93;
 constexpr int kNotStarted = 127;
+constexpr int kKilled = 128;  // plus the number of the signal
 
 // Arguments: the folder of the package palpate, then those of palpate.analysis.
+// Ends without the interpreter's own end, which PYTHONINSPECT changes.
 constexpr const char* kStart = R"py(
-import sys
-from importlib.util import find_spec
-needed = ("numpy", "scipy", "pandas", "statsmodels", "matplotlib", "jinja2")
-missing = [name for name in needed if find_spec(name) is None]
-if missing:
-    print(*missing)
-    sys.exit(93)
-sys.path.insert(0, sys.argv.pop(1))
-from palpate.analysis.__main__ import main
-sys.exit(64 + main(sys.argv[1:]))
+import os, sys
+def end(code):
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
+try:
+    from importlib.util import find_spec
+    needed = ("numpy", "scipy", "pandas", "statsmodels", "matplotlib", "jinja2")
+    missing = [name for name in needed if find_spec(name) is None]
+    if missing:
+        print(*missing)
+        end(93)
+    sys.path.insert(0, sys.argv.pop(1))
+    from palpate.analysis.__main__ import main
+    code = main(sys.argv[1:])
+except ImportError as error:
+    print(error.name or "", f"({error})")
+    end(93)
+except BaseException:
+    import traceback
+    traceback.print_exc()
+    end(65)
+end(64 + code)
 )py";
 
 constexpr std::string_view kErrorMark = "palpate: ";
@@ -193,7 +208,7 @@ Ended run_python(const std::string& interpreter, std::vector<std::string> argume
   while (::waitpid(process, &status, 0) < 0) {
     if (errno != EINTR) return ended;
   }
-  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : kKilled + WTERMSIG(status);
   return ended;
 }
 
@@ -218,13 +233,16 @@ void take_warnings(const std::string& err, PageOutcome& outcome) {
   }
 }
 
+// Of a process that began the analysis.
 std::string failure_text(const std::string& interpreter, const Ended& ended) {
+  if (ended.code > kKilled) {
+    return interpreter + " was killed by signal " + std::to_string(ended.code - kKilled);
+  }
   const std::vector<std::string> lines = lines_in(ended.err);
-  return interpreter + " failed with exit code " + std::to_string(ended.code) +
-         (lines.empty() ? "" : ": " + lines.back());
+  return interpreter + " failed" + (lines.empty() ? "" : ": " + lines.back());
 }
 
-// Why this interpreter cannot be used. No value: it can.
+// Why this interpreter cannot be used: it did not come as far as the analysis. No value: it did.
 std::optional<std::string> problem_of(const std::string& interpreter, const Ended& ended) {
   if (ended.code == kNotStarted) return interpreter + " could not be started";
   if (ended.code == kPackagesCode) {
@@ -232,10 +250,13 @@ std::optional<std::string> problem_of(const std::string& interpreter, const Ende
     for (const std::string& line : lines_in(ended.out)) names += line;
     return interpreter + " has no package " + names;
   }
-  // An older Python does not know -P.
-  constexpr int kUsageCode = 2;
-  if (ended.code == kUsageCode) return interpreter + " is no Python 3.11 or later";
-  return std::nullopt;
+  const bool has_begun = ended.code == kMadeCode || ended.code == kRefusedCode ||
+                         ended.code == kFailedCode || ended.code > kKilled;
+  if (has_begun) return std::nullopt;
+  // An older Python does not know -P; a broken one, or a script in its place, ends in any way.
+  const std::vector<std::string> lines = lines_in(ended.err);
+  return interpreter + " does not work as Python 3.11 or later (exit code " +
+         std::to_string(ended.code) + (lines.empty() ? ")" : ": " + lines.back() + ")");
 }
 
 std::vector<std::string> interpreters() {
@@ -271,7 +292,7 @@ PageOutcome make_page(const std::vector<std::string>& arguments, const OutputFil
   }
   std::vector<std::string> words = {*folder};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  words.insert(words.end(), {"--out", files.hidden_folder()});
+  words.push_back("--out=" + files.hidden_folder());  // the folder may begin with a dash
   std::string problem;
   for (const std::string& interpreter : interpreters()) {
     const Ended ended = run_python(interpreter, words);

@@ -6,6 +6,7 @@ analyse_command_test.py PALPATE
 
 import contextlib
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -74,6 +75,13 @@ def check_report(folder):
     check(done.returncode == 0, f"a name with a dash: {done.stderr}")
     document = json.loads((folder.path / "dash/analysis.json").read_text())
     check(document["file"] == "-t.csv" and document["limit_s"] == 90, f"{document['file']}")
+    done = folder.analyse("trials.csv", "--out=-x")
+    check(done.returncode == 0, f"a folder with a dash: {done.stderr}")
+    (folder.path / os.fsdecode(b"n\xff.csv")).write_text(trials_csv(rows))
+    done = folder.analyse(b"n\xff.csv", "--out", "bytes")
+    check(done.returncode == 0, f"a name that is not UTF-8: {done.stderr}")
+    document = json.loads((folder.path / "bytes/analysis.json").read_text())
+    check(document["file"] == "n?.csv", f"{document['file']}")
 
 
 def check_refusals(folder):
@@ -95,6 +103,23 @@ def check_refusals(folder):
             (["good.csv", "--limit", "0"], '--limit: is "0"'),
             (["good.csv", "--out", "taken"], "taken: ")):
         folder.expect_refused(arguments, message)
+
+
+def check_many_and_huge(folder):
+    """An analysis of many people ends; what it leaves out is said. Squares that overflow are named."""
+    folder.write("many.csv", sample_trials(SampleTrials(participants=41, blocks=2, objects=("O1",))))
+    done = folder.analyse("many.csv")
+    check(done.returncode == 0, f"exit code {done.returncode}: {done.stderr}")
+    page = (folder.path / "analysis/report.html").read_text()
+    check("the mixed model is for at most 40 participants" in page, "the page does not say so")
+    rows = sample_trials(SampleTrials(participants=3, blocks=1))
+    for number, row in enumerate(rows):
+        row["total_time_s"] = 1e290 * (1 + number % 7)
+    folder.write("huge.csv", rows)
+    done = folder.analyse("huge.csv", "--out", "huge", "--limit", "1e300")
+    check(done.returncode == 2 and "squares are beyond the largest number" in done.stderr,
+          f"huge: {done.returncode}: {done.stderr}")
+    check(not (folder.path / "huge").exists(), "huge: the folder is there")
 
 
 def check_refused_rows_change_no_file(folder):
@@ -123,7 +148,8 @@ def check_refused_rows_change_no_file(folder):
 
 def main():
     palpate = str(pathlib.Path(sys.argv[1]).resolve())
-    for part in (check_report, check_refusals, check_refused_rows_change_no_file):
+    for part in (check_report, check_refusals, check_many_and_huge,
+                 check_refused_rows_change_no_file):
         with contextlib.ExitStack() as stack:
             path = stack.enter_context(tempfile.TemporaryDirectory())
             part(Folder(palpate, path))

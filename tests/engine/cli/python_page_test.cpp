@@ -32,7 +32,7 @@ class PythonPage : public testing::Test {
   }
   PageOutcome made_by(const std::string& interpreter) const {
     const EnvironmentVariable chosen("PALPATE_PYTHON", interpreter);
-    return make_page({"experiment", "trials.csv"}, files_);
+    return make_page({"experiment", "--trials=no-trials.csv"}, files_);
   }
 
   TemporaryFolder folder_;
@@ -54,7 +54,8 @@ TEST_F(PythonPage, StartsWithoutTheWorkingFolderAndWithOneThreadOfBlas) {
   const PageOutcome outcome = made_by(
       interpreter("python", "echo \"$1 $2 $OPENBLAS_NUM_THREADS\"\nshift 4\necho \"$@\"\nexit 64"));
   EXPECT_EQ(outcome.end, PageEnd::kMade) << outcome.problem;
-  EXPECT_EQ(outcome.text, "-P -c 1\nexperiment trials.csv --out " + files_.hidden_folder() + "\n");
+  EXPECT_EQ(outcome.text,
+            "-P -c 1\nexperiment --trials=no-trials.csv --out=" + files_.hidden_folder() + "\n");
 }
 
 TEST_F(PythonPage, RefusesWithTheLineOfTheProcess) {
@@ -80,20 +81,23 @@ TEST_F(PythonPage, NamesAnInterpreterThatIsTooOld) {
   const PageOutcome outcome =
       made_by(interpreter("python", "echo 'Unknown option: -P' >&2\nexit 2"));
   EXPECT_EQ(outcome.end, PageEnd::kMissing);
-  EXPECT_THAT(outcome.problem, HasSubstr("python is no Python 3.11 or later (install "));
+  EXPECT_THAT(
+      outcome.problem,
+      HasSubstr("python does not work as Python 3.11 or later (exit code 2: Unknown option: -P) "
+                "(install "));
 }
 
 TEST_F(PythonPage, ShowsTheLastLineOfAProcessThatFails) {
   const PageOutcome outcome = made_by(
-      interpreter("python", "echo Traceback >&2\necho 'ValueError: \033[31mred' >&2\nexit 1"));
+      interpreter("python", "echo Traceback >&2\necho 'ValueError: \033[31mred' >&2\nexit 65"));
   EXPECT_EQ(outcome.end, PageEnd::kFailed);
-  EXPECT_THAT(outcome.problem, HasSubstr("python failed with exit code 1: ValueError:  [31mred"));
+  EXPECT_THAT(outcome.problem, HasSubstr("python failed: ValueError:  [31mred"));
 }
 
 TEST_F(PythonPage, ReportsAProcessThatIsKilled) {
   const PageOutcome outcome = made_by(interpreter("python", "kill -9 $$"));
   EXPECT_EQ(outcome.end, PageEnd::kFailed);
-  EXPECT_THAT(outcome.problem, HasSubstr("failed with exit code 137"));
+  EXPECT_THAT(outcome.problem, HasSubstr("python was killed by signal 9"));
 }
 
 // The first python3 in PATH often is one without the packages.
@@ -105,8 +109,28 @@ TEST_F(PythonPage, UsesTheInterpreterOfTheSystemIfTheFirstOneHasNoPackages) {
     EXPECT_THAT(outcome.problem, HasSubstr("python3 has no package numpy; /usr/bin/python3 "));
   } else {
     EXPECT_EQ(outcome.end, PageEnd::kRefused);  // there is no trials.csv
-    EXPECT_THAT(outcome.problem, HasSubstr("trials.csv"));
+    EXPECT_THAT(outcome.problem, HasSubstr("no-trials.csv"));
   }
+}
+
+// A shim of a version manager that has no version set ends like this.
+TEST_F(PythonPage, UsesTheInterpreterOfTheSystemIfTheFirstOneIsBroken) {
+  for (const char* const end : {"exit 126", "exit 1", "exit 0"}) {
+    interpreter("bin/python3", std::string("echo 'No version is set' >&2\n") + end);
+    const EnvironmentVariable path("PATH", folder_.path("bin") + ":/usr/bin:/bin");
+    const PageOutcome outcome = made_by("");
+    if (outcome.end == PageEnd::kMissing) {
+      EXPECT_THAT(outcome.problem, HasSubstr("No version is set); /usr/bin/python3 ")) << end;
+    } else {
+      EXPECT_EQ(outcome.end, PageEnd::kRefused) << end;  // there is no trials.csv
+    }
+  }
+}
+
+// With this variable, an interpreter does not end with the exit code of what it ran.
+TEST_F(PythonPage, EndsAlsoIfTheInterpreterIsToldToStay) {
+  const EnvironmentVariable inspect("PYTHONINSPECT", "1");
+  EXPECT_NE(made_by("").end, PageEnd::kFailed);
 }
 
 TEST_F(PythonPage, TakesTheFirstInterpreterThatHasThePackages) {

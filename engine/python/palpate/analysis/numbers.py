@@ -121,6 +121,8 @@ def plain(value: Any) -> Any:
     """A value for JSON: rounded numbers, None for what is not finite, lists and dicts of these."""
     if isinstance(value, Mapping):
         return {str(key): plain(each) for key, each in value.items()}
+    if isinstance(value, str):
+        return value.encode("utf-8", "replace").decode()  # a name of a file need not be UTF-8
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if isinstance(value, (int, np.integer)):

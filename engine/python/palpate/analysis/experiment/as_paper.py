@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from palpate.analysis.errors import InputError, printable
@@ -148,7 +149,14 @@ def _check_error_matrix(fit: Fit) -> None:
             f"leave {fit.error_df} degrees of freedom for the error; expected at least 3",
             "add participants or blocks",
         )
-    singular = fit.singular_response()
+    singular = fit.singular_response() if np.isfinite(fit.error_sscp).all() else None
+    if not np.isfinite(fit.error_sscp).all():
+        raise InputError(
+            "",
+            "rows",
+            "have a measure whose squares are beyond the largest number; expected smaller values",
+            "check the columns and their units",
+        )
     if singular is not None:
         raise InputError(
             "",

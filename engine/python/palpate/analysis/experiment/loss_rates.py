@@ -20,6 +20,10 @@ from .experiments import FACTORS, Experiment
 from .outcomes import LOSSES, TIME
 
 
+# The fit needs a column for each participant.
+MOST_PARTICIPANTS = 200
+
+
 @dataclass(frozen=True)
 class LossRates:
     """ratios: factor, pair ("H / UaH"), ratio, low, high (95 %, Student's t) and p of a ratio of 1.
@@ -32,7 +36,10 @@ class LossRates:
 
 
 def loss_rates(experiment: Experiment) -> LossRates | None:
-    """None if the trials do not determine the model, or if nobody lost contact at some level."""
+    """None if the trials do not determine the model, if nobody lost contact at some level, or for
+    more than MOST_PARTICIPANTS."""
+    if experiment.trials["participant"].nunique() > MOST_PARTICIPANTS:
+        return None
     trials = experiment.trials.dropna(subset=[LOSSES.key, TIME.key])
     trials = trials[trials[TIME.key] > 0.0]
     blocks = {f: _dummies(trials[f]) for f in ("participant", *FACTORS)}

@@ -1,7 +1,8 @@
 """The parts of the variance of trials, by a mixed model.
 
 y = condition + Trial + u(participant) + w(participant, condition) + e(trial), fitted by restricted
-maximum likelihood (statsmodels). Only the parts are taken from it: its tests of conditions are z
+maximum likelihood (statsmodels). A condition is a Haptic, a Rotation and an Object; that of `power`
+is a Haptic and a Rotation, so that its w and e are others. Only the parts are taken from it: its tests of conditions are z
 tests, which ten participants are too few for.
 """
 
@@ -19,6 +20,8 @@ from .outcomes import Outcome
 
 # The optimiser finds the parts to 1e-6; of another version of statsmodels, to 1e-5.
 DIGITS = 4
+# The optimiser takes about 0.1 s a participant and outcome; more than this are left out.
+MOST_PARTICIPANTS = 40
 NEGLIGIBLE = 1e-3  # of the standard deviation of trials: a part that the optimiser took to 0
 
 
@@ -57,6 +60,8 @@ def parts_of_variance(experiment: Experiment, outcome: Outcome) -> Variances:
     )
     has_repeats = len(trials) > frame.groupby(["participant", "condition"]).ngroups
     rest = len(trials) - frame["condition"].nunique() - frame["block"].nunique()
+    if counts[1] > MOST_PARTICIPANTS:
+        return unknown
     if not (scale > 0.0 and counts[1] > 1 and has_repeats and rest > counts[1]):
         return unknown
     try:
