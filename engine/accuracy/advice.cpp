@@ -117,8 +117,9 @@ Answer rate_answer(const AdviceInput& input, Advice& advice) {
   } else {
     answer.reason = servo_sentence(*deciding);
   }
-  answer.limit = input.scene ? "What this machine keeps does not change it; the next answer says it."
-                             : "The rates that this machine keeps were not measured; give a SCENE.";
+  answer.limit = input.scene
+                     ? "What this machine keeps does not change it; the next answer says it."
+                     : "The rates that this machine keeps were not measured; give a SCENE.";
   return answer;
 }
 

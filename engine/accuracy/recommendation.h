@@ -47,7 +47,8 @@ std::optional<std::size_t> chosen_level(std::span<const LevelResult* const> leve
 void judge(KnobResult& result);
 
 // A Knob::decided_by names another knob. If the other knob is among the results and has the same
-// methods and levels, its recommendation, or that it is undecided, replaces that of the knob that names it.
+// methods and levels, its recommendation, or that it is undecided, replaces that of the knob that
+// names it.
 void reconcile(std::vector<KnobResult>& results);
 
 }  // namespace palpate

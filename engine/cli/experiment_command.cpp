@@ -125,8 +125,7 @@ int run_experiment_plan(const ExperimentPlan& plan, const DealtSettings& setting
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   const auto outcome = [&] {
     ProgressBar bar("experiment");
-    return run_experiment(plan,
-                          {settings.out_folder, settings.shard, settings.jobs, writes_traces},
+    return run_experiment(plan, {settings.out_folder, settings.shard, settings.jobs, writes_traces},
                           {find_trial_way, run_trial}, shown_in(bar), &signal_flag());
   }();
   if (!outcome) return refuse(outcome.error());
@@ -286,10 +285,10 @@ struct ExperimentAnalyseRequest {
   std::string out_dir = "analysis";
 };
 
-constexpr std::array kAnalysisNames = {"report.html",       "analysis.json", "effects.csv",
-                                       "comparisons.csv",   "means.csv",     "missing_trials.csv",
-                                       "findings.csv",      "verdicts.csv",  "variances.csv",
-                                       "loss_rates.csv",    "differences.csv"};
+constexpr std::array kAnalysisNames = {"report.html",     "analysis.json",  "effects.csv",
+                                       "comparisons.csv", "means.csv",      "missing_trials.csv",
+                                       "findings.csv",    "verdicts.csv",   "variances.csv",
+                                       "loss_rates.csv",  "differences.csv"};
 
 // An error if there is no such file, or if it has other results than trials. The file becomes an
 // input, which no output replaces.
@@ -314,9 +313,8 @@ int analyse(const ExperimentAnalyseRequest& request) {
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
   auto files = OutputFiles::create(request.out_dir, {kAnalysisNames.begin(), kAnalysisNames.end()});
   if (!files) return refuse(files.error());
-  PageOutcome outcome = make_page({"experiment", "--trials=" + request.file,
-                                   "--limit=" + as_printed(request.limit_s)},
-                                  *files);
+  PageOutcome outcome = make_page(
+      {"experiment", "--trials=" + request.file, "--limit=" + as_printed(request.limit_s)}, *files);
   outcome.text += "report.html, analysis.json and 9 tables are in " + request.out_dir + "/\n";
   return finish_page(outcome, *files);
 }

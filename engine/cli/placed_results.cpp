@@ -57,9 +57,7 @@ int finish_dealt_run(const DealtOutcome& outcome, const DealtSettings& settings,
                      const std::string& kept, const std::string& noun,
                      const std::string& merged_dir,
                      const std::function<Result<PlacedResults>()>& place) {
-  const auto interrupted = [&] {
-    return report_interruption(outcome, noun, settings.out_folder);
-  };
+  const auto interrupted = [&] { return report_interruption(outcome, noun, settings.out_folder); };
   if (!outcome.not_done.empty()) return interrupted();
   if (settings.shard) {
     std::cout << kept << shard_text(outcome, settings, noun, merged_dir);

@@ -33,9 +33,8 @@ Result<MergedCanonical> merge_canonical(const std::vector<std::string>& folders,
   const auto rows =
       parse_canonical_rows(text, (std::filesystem::path(out_folder) / kCanonicalFile).string());
   if (!rows) return rows.error();
-  const auto without_result = static_cast<std::uint64_t>(
-      std::count_if(rows->begin(), rows->end(),
-                    [](const CanonicalRow& row) { return !row.share_within_30deg; }));
+  const auto without_result = static_cast<std::uint64_t>(std::count_if(
+      rows->begin(), rows->end(), [](const CanonicalRow& row) { return !row.share_within_30deg; }));
   auto files =
       stage_results(out_folder, identity.kind,
                     {{kCanonicalFile, text},

@@ -172,7 +172,8 @@ void expect_rests_at_the_projection(test::ProxyKind kind, bool with_norm) {
     god_object.place(start);
     ProxyState state;
     state.proxy = start;
-    const OutsideStretch stretch = with_norm ? OutsideStretch::anisotropic(random) : OutsideStretch{};
+    const OutsideStretch stretch =
+        with_norm ? OutsideStretch::anisotropic(random) : OutsideStretch{};
     RestHand hand(triangles, {}, radius_m, stand_off_m, 0.0, start, random);
     for (int tick = 0; tick < kTicksPerRoom; ++tick) {
       const Vec3 goal = hand.next_goal(state);
