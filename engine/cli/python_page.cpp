@@ -208,6 +208,8 @@ Ended run_python(const std::string& interpreter, std::vector<std::string> argume
   while (::waitpid(process, &status, 0) < 0) {
     if (errno != EINTR) return ended;
   }
+  // A signal for the whole group may have ended the process before it was seen here.
+  if (signal_flag().requested()) ended.is_interrupted = true;
   ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : kKilled + WTERMSIG(status);
   return ended;
 }
