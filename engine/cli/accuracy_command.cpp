@@ -234,18 +234,7 @@ Result<OutputFiles> take_out_folder(const std::string& folder, const Measurement
 Result<PageOutcome> write_in_place(const AccuracyResults& all, OutputFiles& files) {
   if (auto error = files.resume()) return *error;
   if (auto error = write_measured(all, files)) return *error;
-  PageOutcome page = make_page({"accuracy", files.hidden_folder()}, files);
-  const SignalPhaseScope not_now(SignalPhase::kDeferred);
-  if (signal_flag().requested()) page.end = PageEnd::kInterrupted;
-  if (page.end == PageEnd::kInterrupted) return page;
-  if (page.end != PageEnd::kMade) {
-    std::error_code ignored;  // no part of a page
-    for (const std::string& name : page_names(all.effort)) {
-      std::filesystem::remove(files.path(name), ignored);
-    }
-  }
-  if (auto error = files.move_into_place()) return *error;
-  return page;
+  return place_with_page({"accuracy", "--", files.hidden_folder()}, page_names(all.effort), files);
 }
 
 // The last line of the answer: what is where.

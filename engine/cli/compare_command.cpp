@@ -165,25 +165,13 @@ std::string means_text(const CompareSettings& settings,
          "operator file, not of people.\n";
 }
 
-// The files of a page that was not finished.
-void remove_page(const OutputFiles& files) {
-  for (const std::string& name : kPageFiles) {
-    std::error_code ignored;
-    std::filesystem::remove(files.path(name), ignored);
-  }
-}
-
-PageOutcome make_comparison_page(const CompareSettings& settings, const CompareRequest& request,
-                                 const OutputFiles& files) {
-  std::vector<std::string> arguments = {"strategies", request.out_dir, "--operator",
-                                        settings.person};
-  for (const std::string& scene : settings.scenes) {
-    arguments.insert(arguments.end(), {"--scene", scene});
-  }
+std::vector<std::string> page_arguments(const CompareSettings& settings,
+                                        const CompareRequest& request) {
+  std::vector<std::string> arguments = {"strategies", "--operator=" + settings.person};
+  for (const std::string& scene : settings.scenes) arguments.push_back("--scene=" + scene);
   if (request.json) arguments.emplace_back("--json");
-  PageOutcome outcome = make_page(arguments, files);
-  if (outcome.end != PageEnd::kMade) remove_page(files);
-  return outcome;
+  arguments.insert(arguments.end(), {"--", request.out_dir});
+  return arguments;
 }
 
 // What the terminal shows. Without a page: the means.
@@ -218,19 +206,14 @@ int report_results(const CompareSettings& settings, const CompareOutcome& outcom
     const auto written = write_text_file(files->path(name), text);
     if (!written) return refuse(files->in_place(written.error()));
   }
-  const PageOutcome page = make_comparison_page(settings, request, *files);
-  {
-    const SignalPhaseScope not_now(SignalPhase::kDeferred);
-    if (page.end == PageEnd::kInterrupted || signal_flag().requested()) {
-      return report_interrupted_page(request);
-    }
-    if (const auto error = files->move_into_place()) return refuse(*error);
-  }
-  print_results(settings, *followings, request, page);
+  const auto page = place_with_page(page_arguments(settings, request), kPageFiles, *files);
+  if (!page) return refuse(page.error());
+  if (page->end == PageEnd::kInterrupted) return report_interrupted_page(request);
+  print_results(settings, *followings, request, *page);
   const bool is_complete =
       std::all_of(followings->begin(), followings->end(),
                   [](const StrategyMeans& following) { return following.incomplete().empty(); });
-  const int code = finish_output(with_page_warnings(outcome.run.scene_warnings, page));
+  const int code = finish_output(with_page_warnings(outcome.run.scene_warnings, *page));
   return exit_code_after_signals(code == 0 && !is_complete ? kIncompleteTrials : code);
 }
 

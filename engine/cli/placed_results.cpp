@@ -17,7 +17,8 @@ namespace {
 Result<PlacedResults> placed(OutputFiles& files, RunKind kind, const std::string& folder,
                              const std::string& counts, const std::string& all_files) {
   const std::string command(words_of(kind).name);
-  const auto outcome = place_with_page({command, files.hidden_folder()}, page_names(kind), files);
+  const auto outcome =
+      place_with_page({command, "--", files.hidden_folder()}, page_names(kind), files);
   if (!outcome) return outcome.error();
   if (outcome->end == PageEnd::kInterrupted) return PlacedResults{true, {}, {}};
   const std::string there = outcome->end == PageEnd::kMade

@@ -294,7 +294,7 @@ PageOutcome make_page(const std::vector<std::string>& arguments, const OutputFil
   }
   std::vector<std::string> words = {*folder};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  words.push_back("--out=" + files.hidden_folder());  // the folder may begin with a dash
+  words.insert(words.begin() + 2, "--out=" + files.hidden_folder());
   std::string problem;
   for (const std::string& interpreter : interpreters()) {
     const Ended ended = run_python(interpreter, words);

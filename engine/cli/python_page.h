@@ -29,9 +29,10 @@ struct PageOutcome {
   std::string problem;
 };
 
-// Runs `python3 -P -m palpate.analysis` with these arguments and `--out FOLDER`, where FOLDER is
-// the hidden folder of the files, and waits for its end. The package writes files of the names that
-// `files` has; the caller moves them into place.
+// Runs `python3 -P -m palpate.analysis COMMAND --out=FOLDER ...`, where FOLDER is the hidden folder
+// of the files, and waits for its end. arguments: the command, then options as `--name=value`, then
+// `--` and files: a name that begins with a dash is no option. The package writes files of the
+// names that `files` has; the caller moves them into place.
 //
 // The interpreter is PALPATE_PYTHON, or else the first of `python3` in PATH and /usr/bin/python3
 // that has all packages. Option -P and the threads of BLAS (one) do not depend on the environment.

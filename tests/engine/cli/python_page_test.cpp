@@ -55,7 +55,7 @@ TEST_F(PythonPage, StartsWithoutTheWorkingFolderAndWithOneThreadOfBlas) {
       interpreter("python", "echo \"$1 $2 $OPENBLAS_NUM_THREADS\"\nshift 4\necho \"$@\"\nexit 64"));
   EXPECT_EQ(outcome.end, PageEnd::kMade) << outcome.problem;
   EXPECT_EQ(outcome.text,
-            "-P -c 1\nexperiment --trials=no-trials.csv --out=" + files_.hidden_folder() + "\n");
+            "-P -c 1\nexperiment --out=" + files_.hidden_folder() + " --trials=no-trials.csv\n");
 }
 
 TEST_F(PythonPage, RefusesWithTheLineOfTheProcess) {

@@ -141,6 +141,17 @@ def test_modules_of_the_working_folder_are_not_run(commands):
     check(pages[commands.folder] == pages[hostile], "the page depends on the working folder")
 
 
+def test_folders_and_scenes_may_begin_with_a_dash(commands):
+    (commands.folder / "-star.glb").write_bytes(commands.star.read_bytes())
+    jobs = {name: (words, page) for name, (words, _, page) in commands.measuring.items()}
+    jobs |= {name: (words, "report.html") for name, words in commands.page_only.items()}
+    jobs["compare"] = (["compare", "--hands", "2", "--strategies", "mask,a4"], "report.html")
+    for name, (words, page) in jobs.items():
+        end = ["--", "-star.glb"] if name == "compare" else []
+        done = commands.run(*words, f"--out=-{name}", *end)
+        check((commands.folder / f"-{name}" / page).exists(), f"{name}: no {page}: {done.stderr}")
+
+
 def slow_interpreter(commands):
     """An interpreter that says where it is, and never ends."""
     script = commands.folder / "slow"
