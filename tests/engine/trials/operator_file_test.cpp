@@ -97,8 +97,8 @@ TEST(OperatorFile, People2005SharesOneNumberBetweenDepthAndNoise) {
   double most = 0.0;
   for (int participant = 1; participant <= 100; ++participant) {
     const OperatorParameters person = draw_person(file, 2005, participant);
-    const double x = (person.intention_noise_m - 6.0e-3) / 1.2e-3;
-    EXPECT_NEAR(person.press_depth_m, 9.3e-3 - 0.8e-3 * x, 1e-15);
+    const double x = (person.intention_noise_m - 4.3e-3) / 4.1e-3;
+    EXPECT_NEAR(person.press_depth_m, 5.1e-3 + 8.0e-3 * x, 1e-15);
     least = std::min(least, x);
     most = std::max(most, x);
   }
