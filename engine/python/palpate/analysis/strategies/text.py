@@ -33,7 +33,7 @@ def shown_mean(measure: Measure, mean: float, decimals: int) -> str:
 
 def shown_interval(measure: Measure, mean: float, half_width: float, decimals: int,
                    plus_minus: str, hands: int) -> str:
-    """"-1.23 ± 0.45"; "0.00 (equal)" of several hands with the same value; the mean alone of one."""
+    """"-1.23 ± 0.45"; "0.00 (equal)" of hands with the same value; the mean alone of one hand."""
     text = shown_mean(measure, mean, decimals)
     if np.isnan(half_width):
         return text + " (equal)" * (hands > 1)
