@@ -24,8 +24,11 @@ GROUPS = [
      ("mean drift", "mean drift", 1e3, "%.0f mm"),
      ("worst drift", "worst drift", 1e3, "%.0f mm"),
      ("governed ticks", "governed ticks", 100, "%.2f %%")],
-    [("energy of turning", "energy of turning", 1e3, "%.0f mJ")],
+    [("energy of turning", "energy of turning", 1e3, "%.0f mJ"),
+     ("device travel", "device travel", 1e3, "%.0f mm")],
 ]
+# What a result of before the travel was measured lacks.
+NEW = {"device travel"}
 SHOWN = ("reference", "technique")
 DRAWN = ("contact angle", "penetration", "losses of contact", "port work")
 
@@ -50,7 +53,7 @@ def means_of(result, measure):
 
 
 def cell(row, factor, pattern):
-    """Bold: the best technique or tied with it. A drift of a scene that turned has no meaning."""
+    """Bold: the best technique or tied with it. A drift of a scene that turned has no meaning: "-"."""
     if row["mean"] is None:
         return "-"
     text = pattern % (factor * row["mean"])
@@ -75,8 +78,15 @@ def measured(result, measure):
     return next((name, *how) for group in GROUPS for name, key, *how in group if key == measure)
 
 
-def table(result, group):
+def known(result, group):
+    """The group without new measures that the result does not have."""
+    measures = {row["measure"] for row in result["means"]}
+    return [column for column in group if column[1] in measures or column[1] not in NEW]
+
+
+def table(result, whole_group):
     """A row for each strategy, a column for each measure."""
+    group = known(result, whole_group)
     strategies = list(means_of(result, group[0][1]))
     rows = [(head(result, strategy), [cell(means_of(result, measure)[strategy], factor, pattern)
                                       for _, measure, factor, pattern in group])
@@ -85,7 +95,19 @@ def table(result, group):
 
 
 def block(result):
-    return "\n\n".join(table(result, group) for group in GROUPS)
+    return "\n\n".join(table(result, group) for group in GROUPS) + beyond_lines(result)
+
+
+def beyond_lines(result):
+    """A paragraph on the strategies that left the workspace; empty if the result does not say."""
+    if any("beyond_workspace" not in row for row in result["strategies"]):
+        return ""
+    beyond = [row for row in result["strategies"] if row["beyond_workspace"] > 0]
+    if not beyond:
+        return f"\n\nNo strategy left the workspace of {result['workspace_m']:g} m."
+    trials = "; ".join(f"`{row['strategy']}` in {row['beyond_workspace']} of {row['trials']} trials, by up to "
+                       f"{1e3 * (row['largest_travel_m'] - result['workspace_m']):.0f} mm" for row in beyond)
+    return f"\n\nBeyond the workspace of {result['workspace_m']:g} m: {trials}."
 
 
 def losses_block(result):

@@ -3,8 +3,9 @@
 
 measure_compare.py PROGRAM
 
-Writes OPERATOR.json into benchmarks/results/compare: how the trials ended, the means over all objects
-together, and where A4 loses. The results depend on the code alone. The run takes a minute or two, and
+Writes OPERATOR.json into benchmarks/results/compare: how the trials ended and how many of them left the
+workspace, the means over all objects together, and where A4 loses. An interval is null where all hands
+have the same value. The results depend on the code alone. The run takes a minute or two, and
 the program needs Python with the packages of palpate.analysis.
 """
 
@@ -50,6 +51,7 @@ def measure(program):
     result = json.loads(done.stdout)
     return {**{key: result[key] for key in ("operator", "hands", "seed", "scenes", "comparable",
                                             "strategies", "a4_losses")},
+            "workspace_m": result["device"]["workspace_m"],
             "means": [{key: row[key] for key in MEAN_KEYS} for row in result["means"]
                       if row["scene"] == ""]}
 

@@ -373,8 +373,9 @@ Answer preset_of_knobs(const AdviceInput& input, Advice& advice) {
   if (count == 0) {
     answer.reason = "The default; no knob was measured.";
   } else if (better.empty()) {
-    answer.reason = "The default: exact is needed on none of the " + std::to_string(count) +
-                    (count == 1 ? " knob" : " knobs") + " measured.";
+    answer.reason = count == 1 ? "The default: exact is not needed on the one knob measured."
+                               : "The default: exact is needed on none of the " +
+                                     std::to_string(count) + " knobs measured.";
   } else {
     answer.reason = "The error of balanced is too large on " + better + ", that of exact is not.";
   }

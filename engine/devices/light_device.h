@@ -18,6 +18,12 @@ inline double workspace_extent_m(const DeviceDescription& device) {
   return least_m;
 }
 
+// Whether a device travels farther along an axis than any workspace of this extent allows, wherever
+// it is placed. device_travel_m: RunSummary::device_travel_m().
+inline bool exceeds_workspace(double device_travel_m, double extent_m) {
+  return device_travel_m > extent_m;
+}
+
 // Sets the workspace to a cube centred at the origin of the device frame. extent_m: its side, > 0.
 inline void set_workspace_extent(DeviceDescription& device, double extent_m) {
   device.workspace_low_m.fill(-0.5 * extent_m);

@@ -48,10 +48,12 @@ struct RunSummary {
   // Indexed like compiled_effects().
   std::array<std::uint64_t, kMostEffects> effect_ticks{};              // ticks with active effect
   std::optional<std::array<double, kMostEffects>> effect_time_shares;  // no value: not measured
-  Vec3 device_extent_m = Vec3::Zero();
+  Vec3 device_extent_m = Vec3::Zero();  // of the device's positions along each axis
   StepTimes step_ns;
 
   bool has_contact() const { return contact_ticks > 0; }
+  // The largest of the three extents, device frame.
+  double device_travel_m() const { return device_extent_m.maxCoeff(); }
   // 0 for a run without ticks.
   double contact_share() const {
     return ticks > 0 ? static_cast<double>(contact_ticks) / static_cast<double>(ticks) : 0.0;

@@ -152,7 +152,8 @@ Result<ExplorationRun> explore(const Scene& scene, const RunSetup& setup,
   if (!run.interrupted) progress(1.0);
   measure_coverage(std::move(*hand), scene.statistics().extent_m.maxCoeff(),
                    setup.haptics.god_object.radius_m, run);
-  run.exceeds_workspace = run.summary.device_extent_m.maxCoeff() > workspace_extent_m(setup.device);
+  run.exceeds_workspace =
+      exceeds_workspace(run.summary.device_travel_m(), workspace_extent_m(setup.device));
   return run;
 }
 

@@ -13,9 +13,10 @@
 
 namespace palpate {
 
-// Accumulates the measures from kWallWork on, tick by tick. The device holds the force of a tick
-// until the next one; so a work is the force of a tick times the displacement that follows it, as
-// in RunSummary. Forces and displacements are in the device frame. Does not allocate.
+// Accumulates the measures from kWallWork to kTurningEnergy, tick by tick. The device holds the
+// force of a tick until the next one; so a work is the force of a tick times the displacement that
+// follows it, as in RunSummary. Forces and displacements are in the device frame. Does not
+// allocate.
 //
 // - Wall work: sum of max(0, f_t . dx) over contact, where f_t is the part of the commanded force
 //   that is perpendicular to the contact normal.
@@ -42,7 +43,7 @@ class StrategyMeasures {
   void begin(const TickRecord& record) noexcept;
   // A tick between the start and the stop of the clock.
   void add(const TickRecord& record) noexcept;
-  // Sets the measures from kWallWork on. Call it after at least one add().
+  // Sets the measures from kWallWork to kTurningEnergy. Call it after at least one add().
   void put(std::array<std::optional<double>, kMeasureCount>& measures) const;
 
  private:

@@ -111,6 +111,7 @@ std::array<std::optional<double>, kMeasureCount> TrialClock::measures() const {
   }
   m[kMissedDeadlines] = 0.0;  // simulated time has no deadlines
   strategy_measures_.put(m);
+  m[kDeviceTravel] = s.device_travel_m();
   return m;
 }
 

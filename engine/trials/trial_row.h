@@ -45,6 +45,7 @@ enum MeasureIndex : std::size_t {
   kWorstDrift,
   kGovernorShare,
   kTurningEnergy,
+  kDeviceTravel,
   kMeasureCount
 };
 // How many measures a file without strategies has: the first ones.

@@ -240,6 +240,8 @@ Columns columns_of_strategy_measures() {
               "share of the ticks in which the governor changed the force"),
       measure(kTurningEnergy, kNotNegative, "turning_energy_J", "J",
               "energy that turns of the scene added to the spring of the motors, on one wall"),
+      measure(kDeviceTravel, kNotNegative, "device_travel_m", "m",
+              "largest extent of the device's positions along one axis, device frame"),
   };
 }
 

@@ -8,12 +8,14 @@
 #include <limits>
 #include <set>
 #include <span>
+#include <sstream>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "engine/devices/light_device.h"
 #include "engine/report/csv.h"
 #include "engine/trials/compare/compare_run.h"
 #include "engine/trials/compare/compared_measures.h"
@@ -26,6 +28,8 @@ namespace palpate {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr double kMmPerM = 1e3;
 
 std::size_t place_in(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
@@ -61,13 +65,17 @@ std::vector<const TrialRow*> trials_of(const std::vector<TrialRow>& rows,
   return found;
 }
 
-StrategyCounts counts_of(const std::vector<const TrialRow*>& trials) {
+StrategyCounts counts_of(const std::vector<const TrialRow*>& trials, double workspace_m) {
   StrategyCounts counts;
   for (const TrialRow* trial : trials) {
     ++counts.trials;
     if (trial->status == TrialStatus::kDone) ++counts.done;
     if (trial->status == TrialStatus::kTimeout) ++counts.timeouts;
     if (trial->status == TrialStatus::kFault) ++counts.faults;
+    const std::optional<double>& travel_m = trial->measures[kDeviceTravel];
+    if (!travel_m) continue;
+    counts.largest_travel_m = std::max(counts.largest_travel_m.value_or(0.0), *travel_m);
+    if (exceeds_workspace(*travel_m, workspace_m)) ++counts.beyond_workspace;
   }
   return counts;
 }
@@ -110,7 +118,10 @@ std::vector<Json> strategy_rows(const std::vector<StrategyMeans>& followings) {
                       {"trials", counts.trials},
                       {"done", counts.done},
                       {"timeouts", counts.timeouts},
-                      {"faults", counts.faults}});
+                      {"faults", counts.faults},
+                      {"beyond_workspace", counts.beyond_workspace},
+                      {"largest_travel_m",
+                       counts.largest_travel_m ? Json(*counts.largest_travel_m) : Json()}});
     }
   }
   return rows;
@@ -184,7 +195,14 @@ std::string with_decimals(double value, int decimals) {
   return is_zero && number.front() == '-' ? number.substr(1) : number;
 }
 
-// The means of one measure with three digits of the largest, in the shown unit.
+// The decimals that show a number, of which this is the largest, with three digits.
+int decimals_for(double largest) {
+  return largest > 0.0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(largest))), 0, 4)
+                       : 0;
+}
+
+// The means of one measure with three digits of the largest, in the shown unit; "!" after those of
+// strategies that left the workspace.
 std::string measure_line(const StrategyMeans& means, std::size_t place, std::size_t columns,
                          const std::vector<std::size_t>& widths) {
   const ComparedMeasure& measure = compared_measures()[place];
@@ -193,18 +211,33 @@ std::string measure_line(const StrategyMeans& means, std::size_t place, std::siz
     const HandMean& mean = means.mean(0, place, i);
     if (mean.hands > 0) largest = std::max(largest, std::abs(mean.mean) * measure.shown_per_unit);
   }
-  const int decimals =
-      largest > 0.0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(largest))), 0, 4) : 0;
+  const int decimals = decimals_for(largest);
   std::string heading(measure.name);
   if (!measure.shown_unit.empty()) heading += ", " + std::string(measure.shown_unit);
   std::string line = padded_right(heading, columns);
   for (std::size_t i = 0; i < means.strategies.size(); ++i) {
     const HandMean& mean = means.mean(0, place, i);
-    const std::string number =
+    std::string number =
         mean.hands == 0 ? "-" : with_decimals(mean.mean * measure.shown_per_unit, decimals);
+    if (measure.name == kTravelMeasure && means.counts[i].beyond_workspace > 0) number += " !";
     line += padded_left(number, widths[i]);
   }
   return line + "\n";
+}
+
+// A line for each strategy that left the workspace: in how many trials, and by how much.
+std::string workspace_lines(const StrategyMeans& means) {
+  std::ostringstream text;
+  for (std::size_t i = 0; i < means.strategies.size(); ++i) {
+    const StrategyCounts& counts = means.counts[i];
+    if (counts.beyond_workspace == 0) continue;
+    const double beyond_mm = kMmPerM * (*counts.largest_travel_m - means.workspace_m);
+    text << "! beyond the workspace of " << kMmPerM * means.workspace_m
+         << " mm: " << means.strategies[i] << " in " << counts.beyond_workspace << " of "
+         << counts.trials << " trials, by up to "
+         << with_decimals(beyond_mm, decimals_for(beyond_mm)) << " mm\n";
+  }
+  return text.str();
 }
 
 }  // namespace
@@ -224,14 +257,14 @@ std::vector<std::string> StrategyMeans::incomplete() const {
 
 StrategyMeans strategy_means(const std::vector<TrialRow>& rows, const std::string& following,
                              const std::vector<std::string>& strategies,
-                             const std::vector<std::string>& scenes) {
-  StrategyMeans found{following, 0, strategies, {}, {""}, {}};
+                             const std::vector<std::string>& scenes, double workspace_m) {
+  StrategyMeans found{following, 0, workspace_m, strategies, {}, {""}, {}};
   if (scenes.size() > 1) found.scenes.insert(found.scenes.end(), scenes.begin(), scenes.end());
   std::vector<std::vector<const TrialRow*>> trials;
   std::set<std::string> hands;
   for (const std::string& strategy : strategies) {
     trials.push_back(trials_of(rows, following, strategy));
-    found.counts.push_back(counts_of(trials.back()));
+    found.counts.push_back(counts_of(trials.back(), workspace_m));
     for (const TrialRow* trial : trials.back()) hands.insert(trial->participant);
   }
   found.hands = static_cast<int>(hands.size());
@@ -259,7 +292,8 @@ Result<std::vector<StrategyMeans>> compare_means(const CompareSettings& settings
   std::vector<StrategyMeans> followings;
   for (const Following following : plan->followings) {
     const std::string name(kFollowingNames[static_cast<std::size_t>(following)]);
-    followings.push_back(strategy_means(*rows, name, strategies, scenes));
+    followings.push_back(strategy_means(*rows, name, strategies, scenes,
+                                        workspace_extent_m(settings.device.device)));
   }
   return followings;
 }
@@ -290,6 +324,7 @@ std::string means_text(const StrategyMeans& means) {
   for (std::size_t measure = 0; measure < compared_measures().size(); ++measure) {
     text += measure_line(means, measure, kHeadingColumns, widths);
   }
+  text += workspace_lines(means);
   for (const std::string& name : means.incomplete()) {
     const StrategyCounts& counts = means.counts[place_in(means.strategies, name)];
     text += "not comparable: " + std::to_string(counts.done) + " of " +

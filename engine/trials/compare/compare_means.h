@@ -4,6 +4,7 @@
 // ranks are statistics, which the Python package palpate.analysis computes from the same files.
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,15 @@
 
 namespace palpate {
 
-// How the trials of a strategy ended.
+// How the trials of a strategy ended, and how far the device travelled in them.
 struct StrategyCounts {
   int trials = 0;
   int done = 0;
   int timeouts = 0;
   int faults = 0;
+  // Of the trials in which the clock started, completed or not (kDeviceTravel).
+  int beyond_workspace = 0;                // a device with this workspace cannot make them
+  std::optional<double> largest_travel_m;  // no value: in none
 
   // At least 90 % of the trials were completed.
   bool is_comparable() const { return 10 * done >= 9 * trials; }
@@ -37,6 +41,7 @@ struct HandMean {
 struct StrategyMeans {
   std::string following;
   int hands = 0;
+  double workspace_m = 0.0;             // workspace_extent_m() of the device
   std::vector<std::string> strategies;  // all of the plan
   std::vector<StrategyCounts> counts;   // of each strategy
   std::vector<std::string> scenes;  // "", which is all together; then each, if there are several
@@ -48,10 +53,11 @@ struct StrategyMeans {
 };
 
 // rows: of trials.csv, in any order; those of other followings, of practice and of other strategies
-// are left out. scenes: the names of all objects.
+// are left out. scenes: the names of all objects. workspace_m: the extent of the device's
+// workspace.
 StrategyMeans strategy_means(const std::vector<TrialRow>& rows, const std::string& following,
                              const std::vector<std::string>& strategies,
-                             const std::vector<std::string>& scenes);
+                             const std::vector<std::string>& scenes, double workspace_m);
 
 // The means of a complete comparison (compare_run.h) whose trials are in this folder: one result
 // for each following, in the order of the plan. Errors: those of compare_plan() and read_trials().

@@ -12,7 +12,7 @@ namespace {
 constexpr double kMilli = 1e3;
 constexpr std::string_view kStatusColumn = "status";
 
-constexpr std::array<ComparedMeasure, 17> kComparedMeasures = {{
+constexpr std::array<ComparedMeasure, 18> kComparedMeasures = {{
     {"contact angle", "mean_contact_angle_deg", "deg", "deg", 1.0, Better::kLower},
     {"penetration", "mean_penetration_m", "m", "mm", kMilli, Better::kLower},
     {"total time", "total_time_s", "s", "s", 1.0, Better::kLower},
@@ -30,6 +30,7 @@ constexpr std::array<ComparedMeasure, 17> kComparedMeasures = {{
     {"worst drift", "worst_drift_m", "m", "mm", kMilli, Better::kLower},
     {"governed ticks", "governor_share", "1", "%", 100.0, Better::kLower},
     {"energy of turning", "turning_energy_J", "J", "mJ", kMilli, Better::kLower},
+    {kTravelMeasure, "device_travel_m", "m", "mm", kMilli, Better::kLower},
 }};
 
 }  // namespace

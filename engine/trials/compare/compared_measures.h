@@ -20,6 +20,9 @@ enum class Better : std::uint8_t {
   kNearerToZero
 };
 
+// The measure that is compared with the workspace, too.
+inline constexpr std::string_view kTravelMeasure = "device travel";
+
 struct ComparedMeasure {
   std::string_view name;    // "contact angle"
   std::string_view column;  // of trials.csv

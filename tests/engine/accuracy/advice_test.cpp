@@ -208,6 +208,20 @@ TEST(Advice, SettingsThatWereNotMeasuredStayAtTheDefault) {
   EXPECT_TRUE(says(answer_of(*advice, "Mesh").reason, "were not measured"));
 }
 
+TEST(Advice, OneKnobIsOne) {
+  std::vector<KnobResult> results = all_results();
+  const auto preset = [&] { return answer_of(*advise(input_of(results)), "Preset").reason; };
+  EXPECT_EQ(preset(), "The default: exact is needed on none of the 4 knobs measured.");
+  // Each knob alone: those that a preset does not touch are not counted.
+  std::string found;
+  for (const KnobResult& only : all_results()) {
+    results = {only};
+    found += preset() + "\n";
+  }
+  EXPECT_TRUE(says(found, "The default: exact is not needed on the one knob measured.\n")) << found;
+  EXPECT_FALSE(says(found, "1 knob")) << found;
+}
+
 // ---- decisions ---------------------------------------------------------------------------------
 
 TEST(Advice, WhiskersWiderThanTheEffectChangeNoSetting) {

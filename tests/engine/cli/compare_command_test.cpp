@@ -174,6 +174,24 @@ TEST_F(CompareCommandTest, EndsWithThreeAndWritesAllTheSameIfTrialsAreNotComplet
   EXPECT_TRUE(fs::exists(folder.path("compare/report.html")));
 }
 
+// With and without Python: the same line, and a mark in the table.
+TEST_F(CompareCommandTest, FlagsATravelBeyondTheWorkspace) {
+  const Arguments small = {"--hands", "2", "--strategies", "mask,a4", "--workspace", "0.12"};
+  const test::Outcome page = call(small);
+  EXPECT_EQ(page.exit_code, 0) << page.err;
+  const std::size_t start = page.out.find("! beyond the workspace of 120 mm: ");
+  ASSERT_NE(start, std::string::npos) << page.out;
+  const std::string line = page.out.substr(start, page.out.find('\n', start) + 1 - start);
+  EXPECT_NE(content_of(folder.path("compare/report.html")).find("eyond the workspace of 120 mm"),
+            std::string::npos);
+  const test::EnvironmentVariable python("PALPATE_PYTHON", "/nowhere/python3");
+  const test::Outcome means = call(small);
+  EXPECT_NE(means.out.find(line), std::string::npos) << line << means.out;
+  Arguments large = small;
+  large.back() = "2";
+  EXPECT_EQ(call(large).out.find("! beyond"), std::string::npos);
+}
+
 TEST_F(CompareCommandTest, PrintsTheMeansAsJsonWithoutPython) {
   const test::EnvironmentVariable python("PALPATE_PYTHON", "/nowhere/python3");
   const test::Outcome o = call({"--hands", "2", "--strategies", "mask", "--json"});

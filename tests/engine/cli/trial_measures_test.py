@@ -174,6 +174,12 @@ def turning_energy(ticks, first, last):
     return energy.value()
 
 
+def travel(positions):
+    """The largest extent of the positions along an axis; a difference rounds once."""
+    extents = [max(of_axis) - min(of_axis) for of_axis in zip(*positions)]
+    return max(extents), ROUNDING * max(extents)
+
+
 def strategy_measures(ticks, plan, first, last):
     """Exact measures, and expected value and bound of the others, of a plan with strategies. Drift
     has no value if the scene has turned."""
@@ -202,7 +208,8 @@ def strategy_measures(ticks, plan, first, last):
     count = last - first + 1
     near = {"wall_work_J": wall.value(), "largest_contact_work_J": max(works),
             "governor_share": (governed / count, ROUNDING),
-            "turning_energy_J": turning_energy(ticks, first, last)}
+            "turning_energy_J": turning_energy(ticks, first, last),
+            "device_travel_m": travel(device[first:last + 1])}
     if all(q == pose[0] for q in pose[first:]):
         near["mean_drift_m"] = drift.value(count)
         near["worst_drift_m"] = (worst, 16 * ROUNDING * worst)

@@ -19,7 +19,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "helpers"))
 from browser import open_and_measure, parse_options, run_test, width_and_request_problems
 
-MEASURES = 17
+MEASURES = 18
 
 MEASURE = """
 function measure_frame(frame) {

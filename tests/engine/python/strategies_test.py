@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from page_text import visible_text
 from palpate.analysis.errors import InputError
 from palpate.analysis.strategies import command, text
 from palpate.analysis.strategies.comparison import (
@@ -60,15 +61,18 @@ def test_an_interval_holds_zero_unless_the_mean_is_farther_from_it_than_half_of_
     assert not excludes_zero(-1.0, 2.0, 1.0)
     assert excludes_zero(-1.0, -1.0, -1.5)
     assert not excludes_zero(0.0, 0.0)
-    assert excludes_zero(1.0, 1.0)
+    assert not excludes_zero(1.0, 1.0), "equal values have no interval"
     assert not excludes_zero(1.0), "one value has no interval"
     assert not excludes_zero(math.nan)
     assert of_hands(math.nan)[2] == 0
 
 
-def test_the_interval_of_equal_values_is_zero():
-    mean, half_width, _ = of_hands(*(0.1 + 0.2 for _ in range(7)))
-    assert mean == near(0.3) and half_width == 0.0
+def test_equal_values_have_no_interval():
+    """Also where the mean rounds, and for two hands as for seven."""
+    for hands in (2, 7):
+        mean, half_width, count = of_hands(*(0.1 + 0.2 for _ in range(hands)))
+        assert mean == near(0.3) and math.isnan(half_width) and count == hands
+    assert of_hands(*6 * (0.3,), 0.3 + 1e-9)[1] > 0.0, "a spread, however small"
 
 
 def trial(strategy, hand, scene, angle_deg, **more):
@@ -83,6 +87,9 @@ ANGLES = {"none": ((9, 9, 9), (9, 9, 9)), "mask": ((40, 42, 44), (50, 52, 54)),
           "a4": ((10, 14, 15), (20, 22, 27)), "cd": ((12, 16, 11), (22, 20, 21))}
 
 
+WORKSPACE_M = 0.5
+
+
 def small_trials():
     return [trial(strategy, hand + 1, scene, angles[hand])
             for strategy, of_scenes in ANGLES.items() for hand in range(3)
@@ -90,7 +97,7 @@ def small_trials():
 
 
 def compared(rows, strategies=tuple(ANGLES), scenes=("A", "B")):
-    return compare(pd.DataFrame(rows), list(strategies), list(scenes), "delayed")
+    return compare(pd.DataFrame(rows), list(strategies), list(scenes), "delayed", WORKSPACE_M)
 
 
 def entries(comparison, column="mean_contact_angle_deg", scene=""):
@@ -157,13 +164,118 @@ def test_a4_loses_only_where_the_interval_is_on_the_better_side():
                       ("mask", "", ["port work -4.33 +- 1.43 mJ"])]
 
 
+def values(**of_hands):
+    """Trials on one scene with these drifts of each hand, m; None: no value."""
+    return [trial(strategy, hand, "A", 1.0, **({} if drift_m is None else {"mean_drift_m": drift_m}))
+            for strategy, drifts in of_hands.items() for hand, drift_m in enumerate(drifts, start=1)]
+
+
+def standings(rows, names):
+    comparison = compared(rows, names, ["A"])
+    drift = entries(comparison, "mean_drift_m")
+    return list(drift["standing"]), leaders(drift), comparison
+
+
+def test_a_technique_without_a_value_makes_no_other_the_best():
+    nothing = (None, None, None)
+    found, lead, comparison = standings(values(mask=(1.0, 2.0, 4.0), a4=nothing), ["mask", "a4"])
+    assert found == ["", ""] and lead == "- (only mask; no value: a4)"
+    lines = text.comparison_text(comparison).splitlines()
+    assert next(line for line in lines if line.startswith("mean drift")).split()[-2:] == ["2333", "-"]
+    assert "not compared, because a4 has no value: mean drift" in lines
+    assert "- no value: not ranked" in lines
+    # Two that have a value are compared, and the third is named.
+    rows = values(mask=(1.0, 2.0, 4.0), a4=nothing, cd=(8.0, 9.0, 12.0))
+    found, lead, _ = standings(rows, ["mask", "a4", "cd"])
+    assert found == ["best", "", ""] and lead == "mask (no value: a4)"
+    rows = values(mask=(1.0, 2.0, 4.0), a4=nothing, cd=(1.0, 2.5, 3.5))
+    found, lead, _ = standings(rows, ["mask", "a4", "cd"])
+    assert sorted(found) == ["", "best", "tied"] and lead == "tie of all (no value: a4)"
+    # A reference has nobody to beat, and neither has a technique alone.
+    found, lead, _ = standings(values(none=(0.0, 0.0, 0.0), mask=(1.0, 2.0, 4.0)), ["none", "mask"])
+    assert found == ["", ""] and lead == "- (only mask)"
+
+
+def test_a_technique_that_was_not_completed_makes_no_other_the_best():
+    rows = values(mask=(1.0, 2.0, 4.0), a4=(0.0, 0.5, 0.0))
+    for row in rows:
+        row["status"] = "timeout" if row["strategy"] == "a4" and row["participant"] == "1" else "done"
+    found, _, comparison = standings(rows, ["mask", "a4"])
+    assert comparison.incomplete == ["a4"] and found == ["", ""]
+
+
+def test_equal_differences_decide_nothing_and_are_named():
+    rows = values(mask=(1.0, 2.0), a4=(4.0, 5.0), cd=(1.0, 7.0))
+    found, lead, comparison = standings(rows, ["mask", "a4", "cd"])
+    assert found == ["best", "tied", "tied"] and lead == "tie of all"
+    assert math.isnan(entries(comparison, "mean_drift_m").at["mask", "a4_half_width"])
+    assert text.losses_by_strategy(comparison, "+-") == []
+    assert text.undecided_by_strategy(comparison) == [
+        ("mask", "", ["mean drift -3000 mm (equal in 2 hands)"])]
+    lines = text.comparison_text(comparison).splitlines()
+    place = lines.index("undecided, because no spread is measured (paired difference to a4):")
+    assert lines[place + 1] == "  to mask: mean drift -3000 mm (equal in 2 hands)"
+    # One hand more with another difference is a spread.
+    _, _, decided = standings(values(mask=(1.0, 2.0, 1.0), a4=(4.0, 5.0, 4.25)), ["mask", "a4"])
+    assert text.undecided_by_strategy(decided) == []
+    assert text.losses_by_strategy(decided, "+-")[0][0] == "mask"
+
+
+def test_a_strategy_that_leaves_the_workspace_is_flagged():
+    """The workspace is 0.5 m, and a travel as long as it fits it. a4: hand 1 goes 0.75 m, on B without
+    arriving."""
+    rows = small_trials()
+    for row in rows:
+        if row["strategy"] == "mask":
+            row["device_travel_m"] = 0.5
+        if row["strategy"] == "a4":
+            row["device_travel_m"] = 0.75 if row["participant"] == "1" else 0.25
+            row["status"] = "timeout" if row["object"] == "B" else "done"
+    comparison = compared(rows)
+    counts = comparison.strategies.set_index("strategy")
+    assert list(counts["beyond_workspace"]) == [0, 0, 2, 0]
+    assert counts.at["a4", "largest_travel_m"] == 0.75 and counts.at["mask", "largest_travel_m"] == 0.5
+    assert math.isnan(counts.at["cd", "largest_travel_m"])
+    travel = entries(comparison, "device_travel_m")
+    assert travel.at["a4", "mean"] == near((0.75 + 0.25 + 0.25) / 3.0)
+    lines = text.comparison_text(comparison).splitlines()
+    assert "! beyond the workspace of 500 mm: a4 in 2 of 6 trials, by up to 250 mm" in lines
+    row = next(line for line in lines if line.startswith("device travel, mm"))
+    assert row.split() == ["device", "travel,", "mm", "-", "500", "417", "!", "-"]
+    assert not any("mask in" in line for line in lines)
+
+
+def test_the_page_flags_the_workspace_and_names_equal_and_missing_values(folder):
+    path = folder / "trials/trials.csv"
+    trials = pd.read_csv(path)
+    of_a4 = trials["strategy"] == "a4"
+    trials["device_travel_m"] = np.where(of_a4 & (trials["participant"] == 1), 0.75, 0.25)
+    trials["losses_100ms"] = np.where(of_a4, 5, 2)
+    trials["mean_drift_m"] = np.where(of_a4, np.nan, 0.0)
+    trials.to_csv(path, index=False)
+    lines = visible_text(report_of(folder).files["report.html"])
+    assert "Beyond the workspace of 500 mm: a4 in 2 of 6 trials, by up to 250 mm." in lines
+    assert "a4 | 6 | 6 | 0 | 0 | 2 | 750" in lines
+    assert any(line.startswith("device travel, mm | 250 (equal) | 417 ") and line.endswith(" !")
+               for line in lines)
+    assert "losses of 0.1 s | 2.00 (equal) = | 5.00 (equal)" not in lines
+    assert "losses of 0.1 s | 2.00 (equal) | 5.00 (equal)" in lines, "a tie of all has no mark"
+    assert "to mask: losses of 0.1 s -3.00 (equal in 3 hands)" in lines
+    assert "Not compared, because A4 has no value: mean drift." in lines
+    assert "mean drift, mm | - (only mask; no value: a4)" in lines
+    document = json.loads(report_of(folder).files["comparison.json"])
+    assert [row["beyond_workspace"] for row in document["strategies"]] == [0, 2]
+    equal = next(row for row in document["means"] if row["measure"] == "losses of 0.1 s")
+    assert equal["half_width"] is None and equal["hands"] == 3
+
+
 def test_magnitudes_are_compared_where_zero_is_the_best():
-    rows = [trial(strategy, hand, "A", 1.0, work_lost_J=work)
+    rows = [trial(strategy, hand, "A", 1.0, work_lost_J=work * (1.0 + hand / 1024.0))
             for hand in (1, 2) for strategy, work in (("mask", -0.5), ("a4", 0.25))]
     comparison = compared(rows, ["mask", "a4"], ["A"])
     assert comparison.scenes == [""], "one scene is all scenes"
     lost = entries(comparison, "work_lost_J")
-    assert lost.at["mask", "mean"] == 0.5
+    assert lost.at["mask", "mean"] == 0.5 * (1.0 + 1.5 / 1024.0)
     assert leaders_in_order(lost) == ["a4"]
 
 
@@ -204,7 +316,7 @@ def test_other_followings_practice_and_strategies_are_left_out():
 
 def test_each_value_of_a_parameter_is_a_strategy_of_its_own():
     names = ["mask", "anisotropic:0.5", "anisotropic:2"]
-    rows = [trial(name, hand, "A", 30.0 - 10.0 * place + hand)
+    rows = [trial(name, hand, "A", 30.0 - (10.0 + 0.1 * hand) * place + hand)
             for place, name in enumerate(names) for hand in (1, 2)]
     comparison = compared(rows, names, ["A"])
     angle = entries(comparison)
@@ -242,7 +354,7 @@ def test_a_figure_has_a_mark_for_each_strategy_at_its_difference():
 
 PLAN = {"strategies": ["mask", "a4"], "objects": {"B": {"file": "b.glb"}, "A": {"file": "a.glb"}},
         "followings": ["delayed"], "operator": "people2005", "participants": 3, "seed": 2005,
-        "device": {"sensors": 2, "velocity_estimator": "difference"}}
+        "device": {"sensors": 2, "velocity_estimator": "difference", "workspace_m": 0.5}}
 
 
 @pytest.fixture(name="folder")
@@ -265,12 +377,12 @@ def test_a_report_has_all_scenes_and_measures_and_says_that_hands_are_simulated(
     assert list(report.files) == ["report.html", "comparison.json", "comparison.csv",
                                   "a4_losses.csv"]
     document = json.loads(report.files["comparison.json"])
-    assert len(document["means"]) == 3 * 17 * 2 == 3 * len(MEASURES) * 2
+    assert len(document["means"]) == 3 * 18 * 2 == 3 * len(MEASURES) * 2
     assert document["scenes"] == ["one <b>.glb", "$x$.glb"]
     assert [row["trials"] for row in document["strategies"]] == [6, 6]
     assert document["comparable"] == {"delayed": True}
     lines = report.files["comparison.csv"].splitlines()
-    assert len(lines) == 1 + 3 * 17 * 2
+    assert len(lines) == 1 + 3 * 18 * 2
     assert lines[0].startswith("following,scene,measure,column,unit,better,strategy,role,hands,mean")
     page = report.files["report.html"]
     assert ("The hands are simulated: the intervals speak of seeds and of the ranges in the operator "

@@ -190,6 +190,7 @@ TEST(RunSummary, MeasuresTheExtentOfTheDevice) {
   const RunSummary s =
       summary_of({free_tick({-1, 2, 0}), free_tick({3, 2, -4}), free_tick({0, 5, 0})});
   EXPECT_EQ(s.device_extent_m, Vec3(4, 3, 4));
+  EXPECT_EQ(s.device_travel_m(), 4.0);
 }
 
 // ---- whether it is comparable ------------------------------------------------------------------

@@ -57,7 +57,7 @@ std::size_t place_of(const std::string& column) {
 }
 
 StrategyMeans means_of(const std::vector<TrialRow>& rows) {
-  return strategy_means(rows, "delayed", kStrategies, kScenes);
+  return strategy_means(rows, "delayed", kStrategies, kScenes, 0.5);
 }
 
 TEST(StrategyMeans, AreThoseComputedByHand) {
@@ -99,17 +99,46 @@ TEST(StrategyMeans, AreOfTrialsThatWereCompleted) {
             std::string::npos);
 }
 
+// The workspace is 0.5 m. A travel that is as long fits it.
+TEST(StrategyMeans, NameStrategiesThatLeaveTheWorkspace) {
+  auto rows = small_trials();
+  for (TrialRow& row : rows) {
+    if (row.strategy == "mask") row.measures[kDeviceTravel] = 0.5;
+    if (row.strategy == "a4") row.measures[kDeviceTravel] = row.participant == "1" ? 0.75 : 0.25;
+    // What was not completed counts: a scene that runs away is a reason for that.
+    if (row.strategy == "a4" && row.object == "B") row.status = TrialStatus::kTimeout;
+  }
+  const StrategyMeans means = means_of(rows);
+  EXPECT_EQ(means.counts[0].largest_travel_m, std::nullopt);
+  EXPECT_EQ(means.counts[1].beyond_workspace, 0);
+  EXPECT_EQ(means.counts[1].largest_travel_m, 0.5);
+  EXPECT_EQ(means.counts[2].beyond_workspace, 2);
+  EXPECT_EQ(means.counts[2].largest_travel_m, 0.75);
+  const std::string text = means_text(means);
+  EXPECT_NE(text.find("\n! beyond the workspace of 500 mm: a4 in 2 of 6 trials, by up to 250 mm\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("\ndevice travel, mm                 -      500    417 !\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("mask in"), std::string::npos) << text;
+  EXPECT_NE(strategies_csv({means}).find("delayed,a4,technique,6,3,3,0,2,0.75\n"),
+            std::string::npos);
+}
+
 TEST(StrategyMeans, OfMagnitudesWhereZeroIsTheBest) {
   std::vector<TrialRow> rows = {trial("mask", 1, "A", 1.0), trial("mask", 2, "A", 1.0)};
   rows[0].measures[kWorkLost] = -0.5;
   rows[1].measures[kWorkLost] = 0.25;
-  const StrategyMeans means = strategy_means(rows, "delayed", {"mask"}, {"A"});
+  const StrategyMeans means = strategy_means(rows, "delayed", {"mask"}, {"A"}, 0.5);
   ASSERT_EQ(means.scenes.size(), 1u) << "one scene is all scenes";
   EXPECT_EQ(means.mean(0, place_of("work_lost_J"), 0).mean, 0.375);
 }
 
 TEST(StrategyMeans, NinetyPercentOfTheTrialsAreEnough) {
-  StrategyCounts counts{.trials = 80, .done = 72};
+  StrategyCounts counts;
+  counts.trials = 80;
+  counts.done = 72;
   EXPECT_TRUE(counts.is_comparable());
   counts.done = 71;
   EXPECT_FALSE(counts.is_comparable());
@@ -133,16 +162,18 @@ TEST(StrategyMeans, AreTheSameInTheTableTheTextAndAsJson) {
                                "\ndelayed,,contact angle,mean_contact_angle_deg,deg,lower,none,"
                                "reference,3,9\ndelayed,,contact angle,mean_contact_angle_deg,deg,"
                                "lower,mask,technique,3,47\n"));
-  EXPECT_TRUE(strategies_csv(followings)
-                  .starts_with("following,strategy,role,trials,done,timeouts,faults\n"
-                               "delayed,none,reference,6,6,0,0\n"));
+  EXPECT_TRUE(
+      strategies_csv(followings)
+          .starts_with("following,strategy,role,trials,done,timeouts,faults,beyond_workspace,"
+                       "largest_travel_m\n"
+                       "delayed,none,reference,6,6,0,0,0,\n"));
   EXPECT_TRUE(means_text(followings.front())
                   .starts_with("mean over 3 hands              none     mask       a4\n"
                                "contact angle, deg              9.0     47.0     18.0\n"
                                "penetration, mm                   -        -        -\n"))
       << means_text(followings.front());
   const StrategyMeans settled = strategy_means({trial("anisotropic:0.25", 1, "A", 1.0)}, "delayed",
-                                               {"mask", "anisotropic:0.25"}, {"A"});
+                                               {"mask", "anisotropic:0.25"}, {"A"}, 0.5);
   EXPECT_TRUE(
       means_text(settled).starts_with("mean over 1 hands              mask  anisotropic\n"
                                       "                                           :0.25\n"
@@ -152,7 +183,7 @@ TEST(StrategyMeans, AreTheSameInTheTableTheTextAndAsJson) {
   settings.device.sensors = 2;
   settings.scenes = {"A.glb", "B.glb"};
   const auto json = means_json(settings, followings);
-  EXPECT_EQ(json["means"].size(), 3u * 17u * 3u);
+  EXPECT_EQ(json["means"].size(), 3u * 18u * 3u);
   EXPECT_EQ(json["means"][1]["mean"], 47.0);
   EXPECT_EQ(json["strategies"][1]["done"], 6);
   EXPECT_EQ(json["comparable"]["delayed"], true);

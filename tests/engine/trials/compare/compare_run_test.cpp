@@ -134,7 +134,7 @@ TEST(StrategyTrialsFile, HasTheNewMeasuresAndTheStrategyBeforeTheLevelsOfThePlan
   ASSERT_TRUE(plain.ends_with(",missed_deadlines" + levels));
   EXPECT_EQ(columns, plain.substr(0, plain.size() - levels.size()) +
                          ",wall_work_J,largest_contact_work_J,empty_turns,mean_drift_m,"
-                         "worst_drift_m,governor_share,turning_energy_J,strategy" +
+                         "worst_drift_m,governor_share,turning_energy_J,device_travel_m,strategy" +
                          levels);
   const std::string text = columns_csv(TrialColumns::kStrategies);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
@@ -206,7 +206,7 @@ TEST(Comparison, RunsEveryHandOnceWithEachStrategyOnEachScene) {
   ASSERT_EQ(outcome.followings[0].strategies.size(), 9u);
   for (const StrategyCounts& counts : outcome.followings[0].counts) EXPECT_EQ(counts.trials, 10);
   const std::string means = bytes_of(folder.path("out/means.csv"));
-  EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 1 + 3 * 17 * 9);
+  EXPECT_EQ(std::count(means.begin(), means.end(), '\n'), 1 + 3 * 18 * 9);
 }
 
 TEST(Comparison, GivesTheSameBytesWithAnyNumberOfJobs) {

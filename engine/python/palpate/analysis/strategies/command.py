@@ -33,7 +33,8 @@ def run(arguments: argparse.Namespace) -> Report:
     folder: pathlib.Path = arguments.folder
     plan = _plan(folder / "plan.json")
     trials = read_trials(folder / "trials" / "trials.csv")
-    comparisons = [compare(trials, plan["strategies"], sorted(plan["objects"]), following)
+    comparisons = [compare(trials, plan["strategies"], sorted(plan["objects"]), following,
+                           plan["device"]["workspace_m"])
                    for following in plan["followings"]]
     settings = {
         "scenes": arguments.scene or [each["file"] for each in plan["objects"].values()],
@@ -48,6 +49,7 @@ def _plan(path: pathlib.Path) -> dict[str, Any]:
         for key in ("strategies", "objects", "followings", "operator", "participants", "seed",
                     "device"):
             plan[key]
+        plan["device"]["workspace_m"] + 0.0
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(str(path), "", f"is not a plan of palpate compare ({error!r})",
                          "run palpate compare again") from error

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+TRAVEL = "device_travel_m"  # is compared with the workspace, too
 _SHOWN = {"m": ("mm", 1e3), "J": ("mJ", 1e3), "1": ("%", 100.0)}
 
 
@@ -62,8 +63,10 @@ MEASURES = (  # in the order of tables, as in engine/trials/compare/compared_mea
     Measure("worst drift", "worst_drift_m", "m"),
     Measure("governed ticks", "governor_share", "1"),
     Measure("energy of turning", "turning_energy_J", "J"),
+    Measure("device travel", TRAVEL, "m"),
 )
 BY_NAME = {measure.name: measure for measure in MEASURES}
+BY_COLUMN = {measure.column: measure for measure in MEASURES}
 
 
 def measured(trials: pd.DataFrame) -> pd.DataFrame:

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from palpate.analysis import numbers
-from palpate.analysis.strategies.comparison import Comparison, is_tie_of_all
-from palpate.analysis.strategies.measures import BY_NAME, Measure
+from palpate.analysis.strategies.comparison import Comparison, is_tie_of_all, missing_by
+from palpate.analysis.strategies.measures import BY_NAME, TRAVEL, Measure
 
 SIMULATED_HANDS = ("The hands are simulated: the intervals speak of seeds and of the ranges in the "
                    "operator file, not of people.")
@@ -32,11 +32,11 @@ def shown_mean(measure: Measure, mean: float, decimals: int) -> str:
 
 
 def shown_interval(measure: Measure, mean: float, half_width: float, decimals: int,
-                   plus_minus: str) -> str:
-    """"-1.23 ± 0.45"; the mean alone without an interval."""
+                   plus_minus: str, hands: int) -> str:
+    """"-1.23 ± 0.45"; "0.00 (equal)" of hands with the same value; the mean alone of one hand."""
     text = shown_mean(measure, mean, decimals)
     if np.isnan(half_width):
-        return text
+        return text + " (equal)" * (hands > 1)
     half = numbers.with_decimals(half_width * measure.shown_per_unit, decimals)
     return f"{text} {plus_minus} {half}"
 
@@ -45,16 +45,49 @@ def losses_by_strategy(comparison: Comparison,
                        plus_minus: str) -> list[tuple[str, str, list[str]]]:
     """The strategies to which a4 loses, with a note and their measures: "full", " (a reference)",
     then "port work -52.1 ± 3.2 mJ"."""
+    return _by_strategy(comparison.a4_losses, comparison, plus_minus)
+
+
+def undecided_by_strategy(comparison: Comparison) -> list[tuple[str, str, list[str]]]:
+    """The same of better values without an interval: "losses of 0.1 s -5.00 (equal in 2 hands)"."""
+    return _by_strategy(comparison.a4_undecided, comparison, "")
+
+
+def _by_strategy(rows: pd.DataFrame, comparison: Comparison,
+                 plus_minus: str) -> list[tuple[str, str, list[str]]]:
     texts: dict[tuple[str, str], list[str]] = {}
-    losses = comparison.a4_losses
     for name in comparison.means["strategy"].unique():
-        for row in losses[losses["strategy"] == name].itertuples():
+        for row in rows[rows["strategy"] == name].itertuples():
             measure = BY_NAME[row.measure]
             decimals = _digits_after_point(abs(row.minus_a4) * measure.shown_per_unit)
-            text = shown_interval(measure, row.minus_a4, row.a4_half_width, decimals, plus_minus)
+            text = shown_interval(measure, row.minus_a4, row.a4_half_width, decimals, plus_minus, 0)
+            text = f"{measure.name} {text} {measure.shown_unit}".rstrip()
+            if np.isnan(row.a4_half_width):
+                hands = row.a4_hands
+                text += " (1 hand)" if hands == 1 else f" (equal in {hands} hands)"
             to = (name, " (a reference)" if row.role == "reference" else "")
-            texts.setdefault(to, []).append(f"{measure.name} {text} {measure.shown_unit}".rstrip())
+            texts.setdefault(to, []).append(text)
     return [(name, note, measures) for (name, note), measures in texts.items()]
+
+
+def workspace_lines(comparison: Comparison) -> list[str]:
+    """A line for each strategy that left the workspace, as in engine/trials/compare."""
+    lines, workspace_mm = [], 1e3 * comparison.workspace_m
+    for row in comparison.strategies.itertuples():
+        if row.beyond_workspace == 0:
+            continue
+        beyond_mm = 1e3 * (row.largest_travel_m - comparison.workspace_m)
+        by = numbers.with_decimals(beyond_mm, _digits_after_point(beyond_mm))
+        lines.append(f"beyond the workspace of {workspace_mm:g} mm: {row.strategy} in "
+                     f"{row.beyond_workspace} of {row.trials} trials, by up to {by} mm")
+    return lines
+
+
+def is_beyond_workspace(comparison: Comparison, measure: str, strategy: str) -> bool:
+    """Whether this is the travel of a strategy that left the workspace."""
+    counts = comparison.strategies
+    beyond = counts.loc[counts["beyond_workspace"] > 0, "strategy"]
+    return BY_NAME[measure].column == TRAVEL and strategy in set(beyond)
 
 
 def incomplete_lines(comparison: Comparison) -> list[str]:
@@ -77,9 +110,13 @@ def _means_lines(comparison: Comparison) -> list[str]:
         measure = BY_NAME[name]
         decimals = shown_decimals(measure, entries["mean"])
         marks = {"": "  "} if is_tie_of_all(entries) else {"best": " *", "tied": " ="}
-        lines.append(measure.heading.ljust(_HEADING_COLUMNS) + "".join(
-            shown_mean(measure, row.mean, decimals).rjust(width) + marks.get(row.standing, "  ")
-            for row, width in zip(entries.itertuples(), widths)))
+        line = measure.heading.ljust(_HEADING_COLUMNS)
+        for row, width in zip(entries.itertuples(), widths):
+            mark = marks.get(row.standing, "  ")
+            if is_beyond_workspace(comparison, name, row.strategy):
+                mark = (mark.strip() + "!").rjust(2)
+            line += shown_mean(measure, row.mean, decimals).rjust(width) + mark
+        lines.append(line)
     return [line.rstrip() for line in lines]
 
 
@@ -87,9 +124,18 @@ def comparison_text(comparison: Comparison) -> str:
     """For a terminal: the means of all scenes together, the leaders, where a4 loses, and strategies
     whose trials are not comparable."""
     lines = _means_lines(comparison)
-    lines.append("* best technique; = tied: the 95 % interval of the paired difference holds 0")
+    lines.append("* best technique; = tied: the 95 % interval of the paired difference holds 0, or "
+                 "there is none")
+    lines.append("- no value: not ranked")
+    lines += [f"! {line}" for line in workspace_lines(comparison)]
     if "a4" in set(comparison.means["strategy"]):
         losses = losses_by_strategy(comparison, "+-")
         lines.append("a4 loses (paired difference to a4):" if losses else "a4 loses by no measure")
         lines += [f"  to {name}{note}: {', '.join(measures)}" for name, note, measures in losses]
+        undecided = undecided_by_strategy(comparison)
+        lines += ["undecided, because no spread is measured (paired difference to a4):"] * bool(
+            undecided)
+        lines += [f"  to {name}{note}: {', '.join(measures)}" for name, note, measures in undecided]
+        missing = missing_by(comparison, "a4")
+        lines += [f"not compared, because a4 has no value: {', '.join(missing)}"] * bool(missing)
     return "\n".join(lines + incomplete_lines(comparison)) + "\n"
