@@ -15,12 +15,11 @@ from collections import Counter
 import pytest
 from markupsafe import Markup
 
-from experiment_samples import no_parts
 from numbers_agree import Zero, assert_agree, assert_tables_agree
 from oracle_cases import cases, table_of
 from page_text import visible_text
 from palpate.analysis.errors import InputError
-from palpate.analysis.experiment import analysis, command, page
+from palpate.analysis.experiment import command, page
 from palpate.analysis.experiment.tables import TABLES
 
 WIDER = ("comparisons",)  # tables with new columns before the last ones
@@ -66,7 +65,6 @@ def run(case, folder, monkeypatch):
 @pytest.mark.parametrize("case", cases("analyse", refused=False), ids=lambda case: case.name)
 def test_report_has_the_numbers_and_texts(case, tmp_path, monkeypatch):
     monkeypatch.setattr(page, "svg", no_drawing)
-    monkeypatch.setattr(analysis, "parts_of_variance", no_parts)
     report = run(case, tmp_path, monkeypatch)
     assert sorted(report.files) == sorted([*case.results, *(f"{name}.csv" for name in LATER)])
     if case.name not in MIXED:

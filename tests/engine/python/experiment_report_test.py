@@ -92,7 +92,7 @@ def test_report_has_all_files(people):
 
 def test_report_has_the_parts_of_the_variance(tmp_path):
     rows = sample_trials(SampleTrials(participants=4))
-    report = written(rows, tmp_path, mixed_model=True)
+    report = written(rows, tmp_path)
     [time, losses, depth] = rows_of(report, "variances")
     assert (time["outcome"], time["unit"]) == ("total time", "s")
     assert (time["trials"], time["participants"]) == ("288", "4")

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import math
 import tempfile
 from pathlib import Path
-from unittest import mock
 
 import pandas as pd
 
-from palpate.analysis.experiment import analysis, command
+from palpate.analysis.experiment import command
 from palpate.analysis.experiment.analysis import ExperimentAnalysis, OperatorAnalysis, analyse_trials
-from palpate.analysis.experiment.variances import Variances
 from palpate.analysis.report import Report
 from palpate.analysis.trials import read_trials
 from sample_trials import COLUMNS, trials_csv
@@ -31,32 +27,19 @@ def frame_of(rows) -> pd.DataFrame:
         return read_trials(path)
 
 
-def no_parts(experiment, outcome) -> Variances:
-    """In place of the mixed model, which takes most of the time of an analysis."""
-    return Variances(math.nan, math.nan, math.nan, 0, 0)
-
-
-def without_mixed_model():
-    return mock.patch.object(analysis, "parts_of_variance", no_parts)
-
-
 def analysed_all(rows) -> ExperimentAnalysis:
-    with without_mixed_model():
-        return analyse_trials(frame_of(rows), LIMIT_S)
+    return analyse_trials(frame_of(rows), LIMIT_S)
 
 
 def analysed(rows) -> OperatorAnalysis:
     return analysed_all(rows).operators[0]
 
 
-def written(
-    rows, folder: Path, name="trials.csv", limit_s=LIMIT_S, columns=COLUMNS, mixed_model=False
-) -> Report:
+def written(rows, folder: Path, name="trials.csv", limit_s=LIMIT_S, columns=COLUMNS) -> Report:
     """The report of a file with these rows; `name` as the user names it."""
     path = folder / name
     path.write_text(trials_csv(rows, columns + VARIANT))
-    with contextlib.nullcontext() if mixed_model else without_mixed_model():
-        report = command.run(argparse.Namespace(trials=str(path), limit=limit_s))
+    report = command.run(argparse.Namespace(trials=str(path), limit=limit_s))
     for file, text in report.files.items():
         report.files[file] = text.replace(str(path), name)
     return report

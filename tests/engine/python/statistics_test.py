@@ -461,3 +461,40 @@ def test_dependent_rows_mislead_the_papers_analysis(
     assert percent["fixed"] == pytest.approx(fixed_percent, abs=tolerance)
     assert percent["uncorrected"] == pytest.approx(5.0, abs=0.65)
     assert percent["gg"] == pytest.approx(4.0, abs=0.65)
+
+
+TAILS = (1e-300, 1e-100, 1e-30, 1e-12, 0.05, 0.5, 0.999, 1 - 1e-9, 1 - 2**-50)
+
+
+# F with 2 numerator degrees of freedom: P(F > f) = (1 + 2 f / df2)^(-df2 / 2); 1 / F has the others.
+@pytest.mark.parametrize("tail", TAILS)
+@pytest.mark.parametrize("df", [1.0, 2.0, 18.0, 648.0, 1572.3])
+def test_quantiles_of_f_with_2_degrees_of_freedom_at_any_tail(tail, df):
+    with np.errstate(over="ignore"):
+        expected = 0.5 * df * np.expm1(-2.0 / df * np.log(tail))
+    if np.isfinite(expected):
+        assert st.f_for_tail(tail, 2.0, df) == pytest.approx(expected, rel=1e-11)
+    with np.errstate(over="ignore"):
+        expected = 1.0 / (0.5 * df * np.expm1(-2.0 / df * np.log1p(-tail)))
+    if np.isfinite(expected):
+        assert st.f_for_tail(tail, df, 2.0) == pytest.approx(expected, rel=1e-11)
+
+
+# The t of one degree of freedom is that of Cauchy; of two, P(|T| > t) = 1 - t / sqrt(2 + t^2).
+@pytest.mark.parametrize("coverage", [1e-300, 1e-15, 1e-9, 0.01, 0.5, 0.95, 1 - 1e-9, 1 - 2**-50])
+def test_quantiles_of_t_with_1_and_2_degrees_of_freedom_at_any_coverage(coverage):
+    tail = 1.0 - coverage
+    one = np.tan(0.5 * np.pi * coverage) if tail > 0.5 else 1.0 / np.tan(0.5 * np.pi * tail)
+    assert st.t_for_coverage(1.0, coverage) == pytest.approx(one, rel=1e-11)
+    two = coverage * np.sqrt(2.0 / (tail * (1.0 + coverage)))
+    assert st.t_for_coverage(2.0, coverage) == pytest.approx(two, rel=1e-11)
+
+
+# qf and qt of R 4.2.2 with lower.tail = FALSE.
+@pytest.mark.parametrize("tail, df1, df2, f", [
+    (1e-100, 1.0, 9.0, 1.1116582511819331e23), (1e-30, 6.0, 54.0, 135.53523112334986),
+    (1e-12, 1.2, 10.8, 1217.3415464158334), (0.5, 0.2, 5.0, 0.0071694047329318167)])
+def test_quantiles_of_f_agree_with_r(tail, df1, df2, f):
+    assert st.f_for_tail(tail, df1, df2) == pytest.approx(f, rel=1e-12)
+    root = st.f_for_tail(tail, 1.0, df2)
+    assert st.t_two_sided(np.sqrt(root), df2) == pytest.approx(tail, rel=1e-11)

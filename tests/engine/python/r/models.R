@@ -3,16 +3,23 @@
 # R 4.2.2, nlme 3.1-162.
 library(nlme)
 d <- read.csv(commandArgs(TRUE)[1], colClasses = c(participant = "factor", block = "factor"))
-d$condition <- interaction(d$haptic, d$rotation, d$object, drop = TRUE)
+d$condition <- interaction(d$haptic, d$rotation, drop = TRUE)
+d$cell <- interaction(d$haptic, d$rotation, d$object, d$block, drop = TRUE)
 
 # Parts of variance: standard deviations between participants, of a participant in a condition, and
-# of trials.
+# of trials. nlme varies the logarithm of a part and never reaches 0: if the model without
+# participants is as likely, that part is 0 and the others are those of this model.
 for (o in c("total_time_s", "losses_of_contact", "mean_penetration_dm")) {
   d$y <- d[[o]] / sd(d[[o]])
-  m <- lme(y ~ 0 + condition + block, random = ~ 1 | participant / condition, data = d,
+  m <- lme(y ~ 0 + cell, random = ~ 1 | participant / condition, data = d,
            control = lmeControl(opt = "optim", msMaxIter = 1000, reltol = 1e-14))
   v <- as.numeric(VarCorr(m)[, "StdDev"])
-  cat("parts", o, format(sd(d[[o]]) * v[!is.na(v)], digits = 10), "\n")
+  cat("parts", o, format(sd(d[[o]]) * v[!is.na(v)], digits = 10), "log", format(logLik(m), digits = 12), "\n")
+  d$both <- interaction(d$participant, d$condition)
+  m <- lme(y ~ 0 + cell, random = ~ 1 | both, data = d,
+           control = lmeControl(opt = "optim", msMaxIter = 1000, reltol = 1e-14))
+  v <- as.numeric(VarCorr(m)[, "StdDev"])
+  cat("parts without participants", format(sd(d[[o]]) * v, digits = 10), "log", format(logLik(m), digits = 12), "\n")
 }
 
 # Losses as counts with time as exposure: rate ratios with 95 % intervals, dispersion.

@@ -15,9 +15,9 @@ from sample_trials import SampleTrials, sample_trials
 
 def rows():
     found = [row for row in sample_trials(SampleTrials(participants=6, seed=7)) if row["block"] > 0]
-    conditions = sorted({(row["haptic"], row["rotation"], row["object"]) for row in found})
+    conditions = sorted({(row["haptic"], row["rotation"]) for row in found})
     for row in found:
-        c = conditions.index((row["haptic"], row["rotation"], row["object"]))
+        c = conditions.index((row["haptic"], row["rotation"]))
         own = math.sin(7.0 * int(row["participant"]) + 3.0 * c)  # of the person in the condition
         row["total_time_s"] += 4.0 * own
         row["mean_penetration_dm"] += 0.01 * own

@@ -18,7 +18,7 @@ from .findings import FindingResult, judge
 from .loss_rates import LossRates, loss_rates
 from .outcomes import ANGLE, OUTCOMES, PAPER_OUTCOMES, TIME_TO_LIMIT, Outcome
 from .primary import Primary, analyse_repeated_measures
-from .variances import MOST_PARTICIPANTS, Variances, parts_of_variance
+from .variances import Variances, parts_of_variance
 from .verdicts import AGREES, DISAGREES
 
 
@@ -126,11 +126,6 @@ def _analyse(experiment: Experiment, is_one_of_several: bool) -> OperatorAnalysi
         for outcome in PAPER_OUTCOMES
         if outcome in analysis.primary
     }
-    if experiment.trials["participant"].nunique() > MOST_PARTICIPANTS:
-        analysis.notes.append(
-            f"The parts of the variance are left out: the mixed model is for at most "
-            f"{MOST_PARTICIPANTS} participants."
-        )
     analysis.loss_rates = loss_rates(experiment)
     analysis.findings = judge(
         experiment, analysis.paper, analysis.primary, analysis.angle_of_uah

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from palpate.analysis import page
 from palpate.analysis.figures import svg
 from palpate.analysis.numbers import number_or_dash
+from palpate.analysis.statistics import MOST_CELLS
 
 from . import page_tables, plots, text
 from .analysis import ExperimentAnalysis, OperatorAnalysis
@@ -155,6 +156,7 @@ def _operator(each: OperatorAnalysis, warnings: list[str]) -> dict[str, Any]:
         ],
         "manova": page_tables.manova(each),
         "variances": page_tables.variances(each),
+        "most_cells": MOST_CELLS,
         "loss_rates": page_tables.loss_rates(each),
         "dispersion": number_or_dash(each.loss_rates.dispersion) if each.loss_rates else "",
         "loss_trials": each.loss_rates.trials if each.loss_rates else 0,

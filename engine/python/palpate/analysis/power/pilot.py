@@ -48,6 +48,11 @@ class Pilot:
     their mean variance. With it the estimates are unbiased, if trials are missing at random.
     Without missing trials m is exactly their number, and this is the usual analysis of variance.
 
+    `experiment analyse` has the same u, w and e by restricted maximum likelihood
+    (statistics/nested.py), which is the same without missing trials, unless an estimate is negative.
+    It then pools mean squares, for example a low MS_p with MS_pc. Power does not: u cancels in the
+    tests, and MS_pc / m = w + e / m is the scatter that they see.
+
     The model has no term for how a person differs in one object, in all conditions alike. Such
     scatter stays in MS_e and cancels in MS_pc, so that w is estimated too low, and often below 0.
     """
