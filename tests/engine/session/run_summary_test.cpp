@@ -191,6 +191,9 @@ TEST(RunSummary, MeasuresTheExtentOfTheDevice) {
       summary_of({free_tick({-1, 2, 0}), free_tick({3, 2, -4}), free_tick({0, 5, 0})});
   EXPECT_EQ(s.device_extent_m, Vec3(4, 3, 4));
   EXPECT_EQ(s.device_travel_m(), 4.0);
+  RunSummary across;
+  across.device_extent_m = Vec3(1, 3, 2);
+  EXPECT_EQ(across.device_travel_m(), 3.0);
 }
 
 // ---- whether it is comparable ------------------------------------------------------------------
