@@ -27,8 +27,6 @@ GROUPS = [
     [("energy of turning", "energy of turning", 1e3, "%.0f mJ"),
      ("device travel", "device travel", 1e3, "%.0f mm")],
 ]
-# What a result of before the travel was measured lacks.
-NEW = {"device travel"}
 SHOWN = ("reference", "technique")
 DRAWN = ("contact angle", "penetration", "losses of contact", "port work")
 
@@ -78,15 +76,8 @@ def measured(result, measure):
     return next((name, *how) for group in GROUPS for name, key, *how in group if key == measure)
 
 
-def known(result, group):
-    """The group without new measures that the result does not have."""
-    measures = {row["measure"] for row in result["means"]}
-    return [column for column in group if column[1] in measures or column[1] not in NEW]
-
-
-def table(result, whole_group):
+def table(result, group):
     """A row for each strategy, a column for each measure."""
-    group = known(result, whole_group)
     strategies = list(means_of(result, group[0][1]))
     rows = [(head(result, strategy), [cell(means_of(result, measure)[strategy], factor, pattern)
                                       for _, measure, factor, pattern in group])
@@ -99,9 +90,7 @@ def block(result):
 
 
 def beyond_lines(result):
-    """A paragraph on the strategies that left the workspace; empty if the result does not say."""
-    if any("beyond_workspace" not in row for row in result["strategies"]):
-        return ""
+    """A paragraph on the strategies that left the workspace."""
     beyond = [row for row in result["strategies"] if row["beyond_workspace"] > 0]
     if not beyond:
         return f"\n\nNo strategy left the workspace of {result['workspace_m']:g} m."
