@@ -74,6 +74,23 @@ def test_the_axis_of_the_ratio_ends_above_r_and_not_above_nor(turning, is_cut):
     assert (cut in page_of(rows)) == is_cut
 
 
+def test_whiskers_of_shares_end_at_0_and_1():
+    rows = rows_at([0.0, 30.0, 60.0], 3, 0.5, 0.5)
+    first = rows["participant"] == 1
+    for angle_deg, one, others in ((0.0, 0.9, 1.0), (30.0, 0.45, 0.5), (60.0, 0.02, 0.0)):
+        at = rows["angle_deg"] == angle_deg
+        rows.loc[at & first, SHARE], rows.loc[at & ~first, SHARE] = one, others
+    of = means.means_of(rows, SHARE, "pressed")
+    [ax] = angle_figure(of, "pressed", is_ratio=False).axes
+    for whiskers in ax.collections:
+        ends = np.array([segment[:, 1] for segment in whiskers.get_segments()])
+        mean, half = of[STILL]["mean"], of[STILL]["half_width"]
+        assert ends[0] == pytest.approx([mean[0.0] - half[0.0], 1.0])
+        assert ends[1] == pytest.approx([mean[30.0] - half[30.0], mean[30.0] + half[30.0]])
+        assert ends[2] == pytest.approx([0.0, mean[60.0] + half[60.0]])
+    assert len(ax.collections) == 2
+
+
 def test_page_names_angles_that_differ_by_their_digits():
     rows = rows_at([89.99, 90.0], 2, 0.5, 0.5)
     rows.loc[(rows["angle_deg"] == 90.0) & (rows["rotation"] == STILL), RATIO] = NONE

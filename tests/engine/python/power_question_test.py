@@ -337,6 +337,13 @@ def test_bad_effects_are_refused(text, expected):
     assert refusal(f"--effect={text}").startswith(f"--effect: {expected}")
 
 
+def test_only_the_papers_effects_are_said_to_be_published():
+    own = " ".join(notes(study(f"--effect={FIVE},H-R=28")))
+    assert "as large as those of --effect" in own and "published" not in own
+    of_paper = " ".join(notes(study()))
+    assert "are a lower bound" in of_paper and "--effect" not in of_paper
+
+
 def test_effects_have_any_order_and_blanks():
     text = ", ".join(reversed(f"{FIVE},H-R=-2.5e1".split(",")))
     assert study(f"--effect={text}").means.tolist() == [29.0, 31.0, 27.0, 29.0, 25.0, -25.0]

@@ -88,4 +88,5 @@ def test_report_has_the_numbers_and_texts(case, tmp_path, monkeypatch):
         assert_tables_agree(rows[1:], cells, [], name)
     page = CONSTRUCTION.sub("", report.files["report.html"])
     text = [COUNT.sub("", line) for line in visible_text(page)]
-    assert without_tie(case, text) == without_tie(case, visible_text(case.text("report.html")))
+    assert without_tie(case, text) == without_tie(case, visible_text(
+        case.text("report.html").replace("Lecuyer", "Lécuyer")))

@@ -4,6 +4,8 @@ the C++."""
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -143,3 +145,22 @@ def test_the_columns_of_measures_follow_from_columns_csv() -> None:
     assert {"total_time_s", "missed_deadlines", "turning_energy_J"} <= set(measures())
     assert [column.name for column in columns() if column.is_required] == [
         "participant", "block", "haptic", "rotation", "object", "status"]
+
+
+def in_a_process(code: str) -> str:
+    room = Path(__file__).resolve().parents[3] / "engine" / "python"
+    done = subprocess.run([sys.executable, "-P", "-c", code], env={"PYTHONPATH": str(room)},
+                          capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_without_pandas_the_package_of_debian_is_named() -> None:
+    said = in_a_process("import sys; sys.modules['pandas'] = None\nimport palpate\n"
+                        "try: palpate.read_trials('t.csv')\n"
+                        "except ModuleNotFoundError as error: print(error)")
+    assert said == ("palpate.read_trials needs the Python module pandas; install python3-pandas "
+                    "(on Debian: apt install)")
+
+
+def test_dir_lists_what_the_package_offers() -> None:
+    assert in_a_process("import palpate; print(dir(palpate))") == "['read_trials']"

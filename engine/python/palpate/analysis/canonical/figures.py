@@ -23,7 +23,8 @@ def angle_figure(means: pd.DataFrame, motion: str, is_ratio: bool) -> Figure:
     """A measure for one motion, without and with rotation, over the angle.
 
     means: as means_of() returns them. Whiskers are 95 % intervals of the mean over participants.
-    The ratio has the curve tan a beside them, and its axis is that of ratio_axis().
+    They are cut at 0, and those of the share at 1: an interval within the possible means covers as
+    often as the whole one. The ratio has the curve tan a beside them, and its axis is that of ratio_axis().
     """
     figure, ax = figures.new_figure(_WIDTH_PX, _HEIGHT_PX)
     top = ratio_axis(means).top if is_ratio else 1.0 + ABOVE_HIGHEST
@@ -31,8 +32,9 @@ def angle_figure(means: pd.DataFrame, motion: str, is_ratio: bool) -> Figure:
         angles_deg = np.linspace(0.0, np.degrees(np.arctan(top)), 181)
         ax.plot(angles_deg, np.tan(np.radians(angles_deg)), color=figures.INK, alpha=0.6,
                 linestyle="--", label="tan a: the motor alone, wall at rest")
-    _draw(ax, means[STILL], top, "NoR: the wall stands still", 0)
-    _draw(ax, means[TURNING], top, "R: A4 turns the wall", 1)
+    most = np.inf if is_ratio else 1.0
+    _draw(ax, means[STILL], top, most, "NoR: the wall stands still", 0)
+    _draw(ax, means[TURNING], top, most, "R: A4 turns the wall", 1)
     ax.set_title(f"{motion.capitalize()}: simulated operators")
     ax.set_xlim(-_BESIDE_ANGLES_DEG, 90.0 + _BESIDE_ANGLES_DEG)
     ax.set_ylim(0.0, top)
@@ -44,15 +46,16 @@ def angle_figure(means: pd.DataFrame, motion: str, is_ratio: bool) -> Figure:
     return figure
 
 
-def _draw(ax: Any, means: pd.DataFrame, top: float, label: str, number: int) -> None:
-    """Without rotation there is no line between the points: it would leave tan a, and slope where
+def _draw(ax: Any, means: pd.DataFrame, top: float, most: float, label: str, number: int) -> None:
+    """most: of the measure, where its whiskers end. Without rotation there is no line between the points: it would leave tan a, and slope where
     the share jumps. Its points are larger and open, so that they are visible behind the others."""
     shown = means[means["mean"] <= top]
     colour = figures.COLOURS[number]
     beside_deg = _WHISKERS_BESIDE_DEG if number else -_WHISKERS_BESIDE_DEG
     if len(spread := shown[shown["half_width"] >= LEAST_HALF_WIDTH]):
-        ax.errorbar(spread.index + beside_deg, spread["mean"], spread["half_width"], fmt="none",
-                    ecolor=colour)
+        mean, half = spread["mean"], spread["half_width"]
+        sides = np.minimum(half, mean), np.minimum(half, (most - mean).clip(lower=0.0))
+        ax.errorbar(spread.index + beside_deg, spread["mean"], sides, fmt="none", ecolor=colour)
     ax.plot(shown.index, shown["mean"], color=colour, label=label, clip_on=False,
             marker=figures.MARKERS[number], linestyle="-" if number else "none",
             markersize=5 if number else 8, markerfacecolor=colour if number else "none")

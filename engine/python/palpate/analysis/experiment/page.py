@@ -24,7 +24,7 @@ from .paper import FINDINGS, MEANS, equivalence_margin
 from .primary import Primary, residuals
 from .verdicts import NOT_TESTABLE, VERDICTS
 
-NOT_DRAWN = "figure: no participant has completed trials in all its conditions"
+NOT_DRAWN = "no participant has completed trials in all its conditions"
 
 
 def report_page(

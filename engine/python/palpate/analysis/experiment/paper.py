@@ -1,4 +1,4 @@
-"""The numbers and the findings of the paper (Lecuyer, Burkhardt, Le Biller and Congedo, 2005)."""
+"""The numbers and the findings of the paper (Lécuyer, Burkhardt, Le Biller and Congedo, 2005)."""
 
 from __future__ import annotations
 

@@ -43,10 +43,12 @@ def _about_units(study: Study, pilot: Pilot) -> Iterator[str]:
 
 
 def _about_effects(study: Study) -> Iterator[str]:
+    if study.request.effect:
+        yield ("The numbers of people are for effects as large as those of --effect; smaller ones "
+               "need more people.")
+        return
     yield ("Effects of a study that was published because they were significant are too large on "
            "average: numbers of people from them are a lower bound.")
-    if study.request.effect:
-        return
     outcome = study.measure.outcome
     rounded = "These means are rounded, and so are the effects: "
     if outcome is ANGLE:

@@ -1,4 +1,4 @@
-"""What the paper (Lecuyer et al., 2005) states about the scatter and the effects of a measure."""
+"""What the paper (Lécuyer et al., 2005) states about the scatter and the effects of a measure."""
 
 from __future__ import annotations
 

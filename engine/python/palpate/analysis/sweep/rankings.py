@@ -52,7 +52,7 @@ def _rotation(measure: Measure, statement: str, by_construction: str = "") -> Ra
 
 _IN_UAH: dict[str, Level] = {name: (("UaH", name),) for name in reversed(ROTATIONS)}
 
-# Those that the paper reports (Lecuyer et al., 2005), then, for each other measure, that A4 makes
+# Those that the paper reports (Lécuyer et al., 2005), then, for each other measure, that A4 makes
 # it smaller in UaH. The paper reports the latter for the contact angle.
 RANKINGS = (
     _haptic(_TIME, "H is quickest, then UaH, then NoH"),
