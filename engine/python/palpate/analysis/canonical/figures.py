@@ -24,7 +24,8 @@ def angle_figure(means: pd.DataFrame, motion: str, is_ratio: bool) -> Figure:
 
     means: as means_of() returns them. Whiskers are 95 % intervals of the mean over participants.
     They are cut at 0, and those of the share at 1: an interval within the possible means covers as
-    often as the whole one. The ratio has the curve tan a beside them, and its axis is that of ratio_axis().
+    often as the whole one. The ratio has the curve tan a beside them, and its axis is that of
+    ratio_axis().
     """
     figure, ax = figures.new_figure(_WIDTH_PX, _HEIGHT_PX)
     top = ratio_axis(means).top if is_ratio else 1.0 + ABOVE_HIGHEST
@@ -47,8 +48,9 @@ def angle_figure(means: pd.DataFrame, motion: str, is_ratio: bool) -> Figure:
 
 
 def _draw(ax: Any, means: pd.DataFrame, top: float, most: float, label: str, number: int) -> None:
-    """most: of the measure, where its whiskers end. Without rotation there is no line between the points: it would leave tan a, and slope where
-    the share jumps. Its points are larger and open, so that they are visible behind the others."""
+    """most: of the measure, where its whiskers end. Without rotation there is no line between the
+    points: it would leave tan a, and slope where the share jumps. Its points are larger and open,
+    so that they are visible behind the others."""
     shown = means[means["mean"] <= top]
     colour = figures.COLOURS[number]
     beside_deg = _WHISKERS_BESIDE_DEG if number else -_WHISKERS_BESIDE_DEG

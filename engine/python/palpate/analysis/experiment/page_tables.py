@@ -25,7 +25,7 @@ from .paper import MANOVA, MEANS, F
 from .primary import Primary
 from .tables import levels_of_means, paper_mean, trial_means
 
-MINUS, PLUS_MINUS = "\u2212", "\u00b1"
+MINUS, PLUS_MINUS, FIRM = "\u2212", "\u00b1", "\u00a0"  # FIRM: a space without a line break
 FIXED_HEADS = ["F", "df", "p", "partial \u03b7\u00b2", "n"]
 REPEATED_HEADS = ["F", "df", "p", "GG \u03b5", "GG p", "gen. \u03b7\u00b2", "n"]
 FIXED_GROUP = ("as the paper did it (n trials)", len(FIXED_HEADS))
@@ -92,15 +92,15 @@ def trial_means_table(experiment: Experiment) -> Table:
         means = trial_means(experiment, outcome)
         heads.append(with_unit(outcome.name, outcome.unit))
         for row, mean in zip(rows, means.itertuples()):
-            words = f"{with_decimals(mean.mean, outcome.decimals)} "
+            words = f"{with_decimals(mean.mean, outcome.decimals)}{FIRM}"
             words += f"({with_decimals(mean.sd, outcome.decimals)})"
-            row.append(words if mean.n == row[1] else f"{words}, n {mean.n}")
+            row.append(words if mean.n == row[1] else f"{words}, n{FIRM}{mean.n}")
         at = zip(means["Haptic"], means["Rotation"], means["Object"])
         papers = [paper_mean(experiment, outcome, *levels) for levels in at]
         if any(papers):
             heads.append("the paper")
             for row, paper in zip(rows, papers):
-                row.append(_of_paper(mean_sd(paper)))
+                row.append(_of_paper(mean_sd(paper).replace(" ", FIRM)))
     return Table(heads, list(rows))
 
 

@@ -1,7 +1,7 @@
 """The parts of the variance of trials of an outcome, by the mixed model of statistics/nested.py.
 
-A condition is a Haptic and a Rotation, as in the primary analysis and in `experiment power`; an item
-is an Object and a Trial. How a person differs in one object, in all conditions alike, is in the
+A condition is a Haptic and a Rotation, as in the primary analysis and in `experiment power`; an
+item is an Object and a Trial. How a person differs in one object, in all conditions alike, is in the
 part of trials. Only the parts are taken from the model: its tests of conditions are z tests, which
 ten participants are too few for.
 """

@@ -49,8 +49,8 @@ class Pilot:
     Without missing trials m is exactly their number, and this is the usual analysis of variance.
 
     `experiment analyse` has the same u, w and e by restricted maximum likelihood
-    (statistics/nested.py), which is the same without missing trials, unless an estimate is negative.
-    It then pools mean squares, for example a low MS_p with MS_pc. Power does not: u cancels in the
+    (statistics/nested.py), which is the same without missing trials, unless an estimate is
+    negative. It then pools mean squares, for example a low MS_p with MS_pc. Power does not: u cancels in the
     tests, and MS_pc / m = w + e / m is the scatter that they see.
 
     The model has no term for how a person differs in one object, in all conditions alike. Such

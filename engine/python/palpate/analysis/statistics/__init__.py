@@ -29,8 +29,9 @@ from .terms import Term, all_terms, effect_name
 
 __all__ = [
     "COVERAGE", "MOST_CELLS", "SIGNIFICANCE", "Design", "DesignError", "Fit", "FixedEffect",
-    "MeanInterval", "PairedT", "Parts", "RepeatedEffect", "RepeatedMeasures", "Term", "Wilks", "all_terms",
-    "clopper_pearson", "cousineau_morey", "effect_name", "f_for_tail", "f_tail", "fisher_plsd",
-    "holm", "mean_interval", "paired_t", "parts_of_variance", "rao", "repeated_measures",
-    "repeated_measures_of", "standardized", "t_for_coverage", "t_tail", "t_two_sided", "wilson", "z_for_coverage",
+    "MeanInterval", "PairedT", "Parts", "RepeatedEffect", "RepeatedMeasures", "Term", "Wilks",
+    "all_terms", "clopper_pearson", "cousineau_morey", "effect_name", "f_for_tail", "f_tail",
+    "fisher_plsd", "holm", "mean_interval", "paired_t", "parts_of_variance", "rao",
+    "repeated_measures", "repeated_measures_of", "standardized", "t_for_coverage", "t_tail",
+    "t_two_sided", "wilson", "z_for_coverage",
 ]  # fmt: skip

@@ -1,8 +1,8 @@
 """Tails and quantiles of F and t. Arguments outside a distribution's domain give NaN.
 
 Quantiles come from the inverse of the incomplete beta function, with the tail itself as argument:
-of SciPy 1.10, stats.f.isf inverts 1 - tail, which is infinite below a tail of 1e-16, and stats.t.isf
-(stdtrit) is wrong by 1e-9 of 1 and more at small t. scipy.special alone is imported in a third of
+of SciPy 1.10, stats.f.isf inverts 1 - tail, which is infinite below a tail of 1e-16, and
+stats.t.isf (stdtrit) is wrong by 1e-9 of 1 and more at small t. scipy.special alone is imported in a third of
 the time of scipy.stats.
 """
 

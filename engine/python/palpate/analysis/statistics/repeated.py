@@ -35,7 +35,9 @@ class RepeatedEffect:
     epsilon: Any
     p_gg: Any
     # Olejnik and Algina (2003), all factors manipulated: SS / (SS + all sums of squares of the
-    # table that involve participants).
+    # table that involve participants). No interval: the noncentral F has that of partial eta
+    # squared, without participants in the denominator and under sphericity, and a percentile bootstrap over
+    # ten participants covers 76 to 86 % instead of 95 %, and never 0, where there is no effect.
     generalized_eta2: Any
 
 
