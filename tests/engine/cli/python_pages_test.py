@@ -164,7 +164,7 @@ def slow_interpreter(commands):
 def is_alive(process):
     try:
         return pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):  # it ended before or while the file was read
         return False
 
 
