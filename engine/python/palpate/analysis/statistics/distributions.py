@@ -14,6 +14,8 @@ from scipy import special
 from .types import EPSILON, Array, Numbers
 
 _MOST_STEPS = 20
+_LEAST_LOG = float(np.log(np.finfo(float).smallest_subnormal))
+_HALVINGS = 60  # leave a part of 1e-18 of the range of logarithms
 
 
 def f_tail(f: Numbers, df1: Numbers, df2: Numbers) -> Any:
@@ -22,7 +24,8 @@ def f_tail(f: Numbers, df1: Numbers, df2: Numbers) -> Any:
 
 
 def f_for_tail(tail: Numbers, df1: Numbers, df2: Numbers) -> Any:
-    """The f with P(F > f) = tail; tail in (0, 1)."""
+    """The f with P(F > f) = tail; tail in (0, 1). Infinite beyond the largest number. The incomplete
+    beta function of SciPy 1.10 leaves a relative error of 1e-10 at 1e6 degrees of freedom."""
     odds = _odds(np.divide(df1, 2.0), np.divide(df2, 2.0), np.subtract(1.0, tail), tail)
     return np.divide(df2, df1) * odds
 
@@ -32,20 +35,20 @@ def _odds(a: Numbers, b: Numbers, below: Numbers, above: Numbers) -> Any:
     and 1 - y, the one is computed that leaves more digits: above and 1 - y, or below and y, have
     an absolute rounding."""
     y, rest = _beta_quantile(a, b, below), _beta_quantile(b, a, above)
-    with np.errstate(divide="ignore"):  # beyond the smallest number
+    with np.errstate(divide="ignore", over="ignore"):  # beyond the smallest and largest numbers
         takes_y = np.divide(1.0, above) + 1.0 / rest < np.divide(1.0, below) + 1.0 / y
         return np.where(takes_y, y / (1.0 - y), (1.0 - rest) / rest)[()]
 
 
 def _beta_quantile(a: Numbers, b: Numbers, p: Numbers) -> Array:
     """x with I_x(a, b) = p. That of SciPy 1.10 has an error of 3e-4 at small x, and none of its
-    digits at p = 1e-30 and a = 324: the start is then the first term of the series, from which
+    digits at p = 1e-30 and a = 324: the start is then found by halving the range of log x, and
     Newton's steps of log p by log x converge, because I is log-concave."""
     x = np.asarray(special.betaincinv(a, b, p))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
-        series = np.exp((np.log(p) + np.log(a) + special.betaln(a, b)) / a)
-        is_near = np.abs(np.log(special.betainc(a, b, x) / p)) < 0.1
-        x = np.where(is_near, x, np.minimum(series, 0.5))
+        is_far = ~(np.abs(np.log(special.betainc(a, b, x) / p)) < 0.1) & ~np.isnan(x)
+        if is_far.any():
+            x = np.where(is_far, _between_halves(a, b, p, x.shape), x)
         for _ in range(_MOST_STEPS):
             found = special.betainc(a, b, x)
             log_density = a * np.log(x) + np.subtract(b, 1.0) * np.log1p(-x) - special.betaln(a, b)
@@ -55,6 +58,16 @@ def _beta_quantile(a: Numbers, b: Numbers, p: Numbers) -> Array:
             if not (np.abs(step) > 8.0 * EPSILON).any():
                 break
     return x
+
+
+def _between_halves(a: Numbers, b: Numbers, p: Numbers, shape: tuple[int, ...]) -> Array:
+    """x with I_x(a, b) = p, to the digits that halving leaves."""
+    low, high = np.full(shape, _LEAST_LOG), np.zeros(shape)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        is_below = special.betainc(a, b, np.exp(middle)) < p
+        low, high = np.where(is_below, middle, low), np.where(is_below, high, middle)
+    return np.exp(high)
 
 
 def t_two_sided(t: Numbers, df: Numbers) -> Any:

@@ -79,7 +79,7 @@ def _scene(comparison: Comparison, scene: str) -> dict[str, Any]:
     return {
         "name": scene, "leaders": _leaders_table(means),
         "means": _table(means, "mean", "half_width", "hands",
-                                               _mean_cell(comparison if not scene else None)),
+                        _mean_cell(comparison if not scene else None)),
         "differences": [
             (other, _table(means, f"minus_{other}", f"{other}_half_width", f"{other}_hands",
                            _difference_cell(other)))
