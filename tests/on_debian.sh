@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Runs ./run.sh and ./test.sh in a new root directory of a Debian release, as on a freshly installed
-# system. The root contains only packages of that release and the files of the project.
+# Runs ./run.sh, the commands whose pages Python makes, and ./test.sh in a new root directory of a
+# Debian release, as on a freshly installed system. The root contains only packages of that release and
+# the files of the project. The pages are made before ./test.sh installs the packages of tests.
 #
 # usage: tests/on_debian.sh 12|13 [ROOT [ARGUMENTS of test.sh...]]
 #
@@ -63,4 +64,5 @@ run_inside() {
 
 run_inside "apt-get update -q >/dev/null"
 run_inside "./run.sh run models/star.glb --virtual --out /tmp/out"
+run_inside "python3 tests/pages_on_debian.py ."
 run_inside "./test.sh $*"

@@ -42,7 +42,8 @@ def end(code):
 try:
     from importlib.util import find_spec
     needed = ("numpy", "scipy", "pandas", "statsmodels", "matplotlib", "jinja2")
-    missing = [name for name in needed if find_spec(name) is None]
+    # A removed package may leave a folder, which is found without a loader.
+    missing = [name for name in needed if getattr(find_spec(name), "loader", None) is None]
     if missing:
         print(*missing)
         end(93)

@@ -26,7 +26,11 @@ def need_terminals():
 
 
 PAGES = ("numpy", "scipy", "pandas", "statsmodels", "matplotlib", "jinja2")  # of engine/cli/python_page.cpp
-MISSING = "import importlib.util, sys; print(*[name for name in sys.argv[1:] if not importlib.util.find_spec(name)])"
+MISSING = """
+import sys
+from importlib.util import find_spec
+print(*[name for name in sys.argv[1:] if getattr(find_spec(name), "loader", None) is None])
+"""
 
 
 def python_with(*modules):

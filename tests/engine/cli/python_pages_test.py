@@ -76,6 +76,9 @@ class Commands:
         sweep["parameters"] = {"press_depth_m": [0.004, 0.007]}
         sweep["hypercube"].update(points=2)
 
+    def new_folder(self):
+        return pathlib.Path(tempfile.mkdtemp(dir=self.folder))
+
     def run(self, *words, python=None, cwd=None, expected=(0, 3)):
         environment = dict(os.environ)
         if python is not None:
@@ -101,28 +104,46 @@ def check_old(folder, names, what):
         check((folder / name).read_text() == OLD, f"{what}: {name} has changed")
 
 
-def test_page_alone_is_refused_without_python(commands):
+def check_page_alone_is_refused(commands, reason, python=None):
+    """reason: what the one line says about the interpreter."""
     for name, words in commands.page_only.items():
-        out = commands.folder / f"none-{name}"
+        out = commands.new_folder() / name
         old_results(out, ["report.html", "notes.txt"])
-        done = commands.run(*words, "--out", out, python="/nowhere/python3", expected=(BAD_INPUT,))
+        done = commands.run(*words, "--out", out, python=python, expected=(BAD_INPUT,))
         lines = done.stderr.splitlines()
-        check(len(lines) == 1 and "/nowhere/python3 could not be started (install python3-numpy"
-              in lines[0], f"{name}: {done.stderr}")
+        check(len(lines) == 1 and reason in lines[0] and "(install python3-numpy" in lines[0],
+              f"{name}: {done.stderr}")
         check_old(out, ["report.html", "notes.txt"], name)
 
 
-def test_measured_files_are_there_without_python(commands):
+def check_measured_files_are_there(commands, reason, python=None):
     for name, (words, measured, page) in commands.measuring.items():
-        out = commands.folder / f"without-{name}"
-        done = commands.run(*words, "--out", out, python="/nowhere/python3")
+        out = commands.new_folder() / name
+        done = commands.run(*words, "--out", out, python=python)
         for file in measured:
             check((out / file).stat().st_size > 0, f"{name}: {file} is missing")
         check(not (out / page).exists(), f"{name}: {page} is there without Python")
         lines = [line for line in done.stderr.splitlines() if "the page is missing" in line]
         check(len(lines) == 1 and lines[0].startswith("palpate: warning: ")
-              and "/nowhere/python3" in lines[0], f"{name}: {done.stderr}")
+              and reason in lines[0], f"{name}: {done.stderr}")
         check(len(done.stdout.splitlines()) > 1, f"{name}: no answer: {done.stdout}")
+
+
+def test_page_alone_is_refused_without_python(commands):
+    check_page_alone_is_refused(commands, "/nowhere/python3 could not be started", "/nowhere/python3")
+
+
+def test_measured_files_are_there_without_python(commands):
+    check_measured_files_are_there(commands, "/nowhere/python3 could not be started", "/nowhere/python3")
+
+
+def test_folder_that_a_removed_package_left_is_no_package(commands):
+    left = commands.folder / "left"
+    (left / "numpy").mkdir(parents=True)
+    script = commands.folder / "bare"
+    script.write_text(f"#!/bin/sh\nPYTHONPATH='{left}' exec '{sys.executable}' -S \"$@\"\n")
+    script.chmod(0o700)
+    check_page_alone_is_refused(commands, "bare has no package numpy scipy pandas", script)
 
 
 def test_modules_of_the_working_folder_are_not_run(commands):
