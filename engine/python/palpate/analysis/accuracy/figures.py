@@ -22,7 +22,8 @@ from palpate.analysis.numbers import short_number, with_unit
 
 # Pixels.
 WIDTH = 430.0
-_LEFT, _RIGHT, _TOP, _AREA_HEIGHT = 70.0, 10.0, 24.0, 270.0
+# On the right, half of a label at the end of an axis has room.
+_LEFT, _RIGHT, _TOP, _AREA_HEIGHT = 70.0, 18.0, 24.0, 270.0
 _BELOW, _LEGEND_ROW = 56.0, 15.0  # to the legend; a line of it
 _SMALL = 8.5  # font
 _POINT, _RING, _RECOMMENDED = 4.0, 7.0, 10.0  # radii
