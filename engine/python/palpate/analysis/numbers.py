@@ -25,8 +25,18 @@ _ROUNDS_TO_NEXT = 0.9995  # a number that rounds to 1000 gets the next unit
 _LEAST_OF_SMALLEST = 1e-3  # of the smallest prefixed unit; below, a power of ten is clearer
 
 
+def settled(value: float) -> float:
+    """The number with two digits more than results have.
+
+    The exact value of a sum is often a tie, such as 0.09375, and the last bits of its rounding
+    would decide between 0.0937 and 0.0938. They differ between versions of libraries.
+    """
+    return float(f"{value:.{DIGITS + 2}g}")
+
+
 def short_number(value: float) -> str:
     """Three digits, or all digits of the integer part: "0.0123", "134", "20480", "1.2e-7"."""
+    value = settled(value)
     if value == 0.0:
         return "0"
     if not math.isfinite(value):
@@ -47,7 +57,7 @@ def number_or_dash(value: float | None) -> str:
 
 def with_decimals(value: float, decimals: int) -> str:
     """A number with this many decimals; "-" for NaN."""
-    return "-" if math.isnan(value) else f"{value:.{decimals}f}"
+    return "-" if math.isnan(value) else f"{settled(value):.{decimals}f}"
 
 
 def p_number(p: float) -> str:
@@ -114,7 +124,7 @@ def with_unit(name: str, unit: str) -> str:
 
 def rounded(value: float) -> float:
     """The number with `DIGITS` significant digits."""
-    return float(f"{value:.{DIGITS}g}") + 0.0  # no -0
+    return float(f"{settled(value):.{DIGITS}g}") + 0.0  # no -0
 
 
 def plain(value: Any) -> Any:
