@@ -91,6 +91,17 @@ def test_whiskers_of_shares_end_at_0_and_1():
     assert len(ax.collections) == 2
 
 
+def test_a_run_of_one_angle_has_whiskers():
+    rows = rows_at([30.0], 2, 0.5, 0.4)
+    rows.loc[rows["participant"] == 2, SHARE] = 0.6
+    of = means.means_of(rows, SHARE, "pressed")
+    half = of[STILL]["half_width"].iloc[0]
+    [ax] = angle_figure(of, "pressed", is_ratio=False).axes
+    for whiskers in ax.collections:
+        [segment] = whiskers.get_segments()
+        assert segment[:, 1] == pytest.approx([max(0.5 - half, 0.0), min(0.5 + half, 1.0)])
+
+
 def test_page_names_angles_that_differ_by_their_digits():
     rows = rows_at([89.99, 90.0], 2, 0.5, 0.5)
     rows.loc[(rows["angle_deg"] == 90.0) & (rows["rotation"] == STILL), RATIO] = NONE

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import math
+
 import numpy as np
 import pytest
 
@@ -58,7 +60,7 @@ def test_parts_of_variance_are_those_of_a_pilot(people):
     rows = sample_trials(SampleTrials(participants=people))
     for row in rows:  # how the person differs in the condition
         place = 7.0 * int(row["participant"]) + 3.0 * len(row["haptic"]) + len(row["rotation"])
-        row["total_time_s"] += 6.0 * np.sin(place)
+        row["total_time_s"] += 6.0 * math.sin(place)
     experiment = experiment_of(rows)
     pilot = estimate(experiment, TIME, Design(("NoH", "UaH", "H"), ("NoR", "R")))
     assert min(pilot.raw.values()) > 0.0

@@ -55,9 +55,9 @@ def _draw(ax: Any, means: pd.DataFrame, top: float, most: float, label: str, num
     colour = figures.COLOURS[number]
     beside_deg = _WHISKERS_BESIDE_DEG if number else -_WHISKERS_BESIDE_DEG
     if len(spread := shown[shown["half_width"] >= LEAST_HALF_WIDTH]):
-        mean, half = spread["mean"], spread["half_width"]
-        sides = np.minimum(half, mean), np.minimum(half, (most - mean).clip(lower=0.0))
-        ax.errorbar(spread.index + beside_deg, spread["mean"], sides, fmt="none", ecolor=colour)
+        mean, half = spread["mean"].to_numpy(), spread["half_width"].to_numpy()
+        sides = np.minimum(half, [mean, np.maximum(most - mean, 0.0)])
+        ax.errorbar(spread.index + beside_deg, mean, sides, fmt="none", ecolor=colour)
     ax.plot(shown.index, shown["mean"], color=colour, label=label, clip_on=False,
             marker=figures.MARKERS[number], linestyle="-" if number else "none",
             markersize=5 if number else 8, markerfacecolor=colour if number else "none")

@@ -92,7 +92,7 @@ def residuals(experiment: Experiment, outcome: Outcome) -> pd.Series[float]:
     the participant and that of the condition. Empty with fewer than two of them, and if they are
     rounding."""
     cells = _mean_of_those_there(experiment.grid(outcome))
-    table = cells.reshape(len(cells), -1)
+    table: Array = cells.reshape(len(cells), -1)
     table = table[~np.isnan(table).any(axis=1)]
     if len(table) < 2 or table.shape[1] < 2:
         return pd.Series(dtype=float)

@@ -77,8 +77,8 @@ def pooled(mean_squares: Array, df: Array) -> Array:
     """The mean squares in descending order: neighbours that are not are replaced by their mean,
     with df as weights, until all are."""
     blocks: list[tuple[float, float, int]] = []
-    for square, weight in zip(mean_squares.tolist(), df.tolist()):
-        block = (square, weight, 1)
+    for square, weight in zip(mean_squares, df):
+        block = (float(square), float(weight), 1)
         while blocks and blocks[-1][0] < block[0]:
             other = blocks.pop()
             weights = other[1] + block[1]
