@@ -6,10 +6,11 @@ the role of a value of E, and the standings beside it.
 
 Three things changed since. Hands with equal values had an interval of width 0 and have none now (null):
 what was decided by it alone is named in EQUAL. A technique that is ranked alone was the best, and no
-longer is. The travel of the device is new; the trials of the oracle do not have it.
+longer is. The travel of the device is new; the trials of the oracle get an empty column.
 """
 
 import argparse
+import csv
 import json
 import re
 from collections import defaultdict
@@ -20,6 +21,7 @@ from numbers_agree import RELATIVE
 from oracle_cases import cases, table_of
 from page_text import visible_text
 from palpate.analysis.strategies import command, report_page
+from palpate.analysis.strategies.measures import TRAVEL
 
 INPUT_ROUNDING = 5e-13  # the trials of the oracle have 12 digits
 # Of a half width of two hands: two roundings each of two strategies, times half of Student's t of 12.7; a
@@ -43,6 +45,9 @@ def made_report(request, tmp_path_factory):
     for name in ("plan.json", "trials/trials.csv"):
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_bytes(case.expected[name])
+    header, *trials = table_of(case.text("trials/trials.csv"))
+    with (folder / "trials/trials.csv").open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([header + [TRAVEL], *(row + [""] for row in trials)])
     plan = json.loads((folder / "plan.json").read_text())
     words = [str(folder)] + [word for name in case.arguments if name.endswith(".glb")
                              for word in ("--scene", name)]

@@ -79,7 +79,7 @@ def trial(strategy, hand, scene, angle_deg, **more):
     """A completed trial with this contact angle; other measures have no value."""
     return {"following": "delayed", "participant": str(hand), "block": 1, "trial": 1,
             "object": scene, "attempt": 1, "status": "done", "strategy": strategy,
-            "mean_contact_angle_deg": float(angle_deg), **more}
+            "mean_contact_angle_deg": float(angle_deg), "device_travel_m": math.nan, **more}
 
 
 # Angles of three hands on the scenes A and B: none 9 everywhere.
@@ -243,6 +243,13 @@ def test_a_strategy_that_leaves_the_workspace_is_flagged():
     row = next(line for line in lines if line.startswith("device travel, mm"))
     assert row.split() == ["device", "travel,", "mm", "-", "500", "417", "!", "-"]
     assert not any("mask in" in line for line in lines)
+
+
+def test_trials_without_the_travel_are_refused(folder):
+    path = folder / "trials/trials.csv"
+    pd.read_csv(path).drop(columns="device_travel_m").to_csv(path, index=False)
+    with pytest.raises(InputError, match="trials.csv: line 1, column device_travel_m: is missing"):
+        report_of(folder)
 
 
 def test_the_page_flags_the_workspace_and_names_equal_and_missing_values(folder):

@@ -1,5 +1,6 @@
 #include "engine/trials/operator_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -104,6 +105,23 @@ TEST(OperatorFile, People2005SharesOneNumberBetweenDepthAndNoise) {
   }
   EXPECT_LT(least, 0.1);
   EXPECT_GT(most, 0.9);
+}
+
+TEST(OperatorFile, AParameterThatFallsIsTheOtherEndOfItsRange) {
+  const OperatorFile file = *load_operator("people2005");
+  OperatorFile falling = file;
+  const auto& parameters = person_parameters();
+  const auto depth = std::find_if(parameters.begin(), parameters.end(),
+                                  [](const auto& each) { return each.name == "press_depth_m"; });
+  const auto place = static_cast<std::size_t>(depth - parameters.begin());
+  falling.ranges[place].falls = true;
+  for (int participant = 1; participant <= 20; ++participant) {
+    const OperatorParameters person = draw_person(file, 2005, participant);
+    const OperatorParameters other = draw_person(falling, 2005, participant);
+    EXPECT_NEAR(person.press_depth_m + other.press_depth_m,
+                file.ranges[place].low + file.ranges[place].high, 1e-15);
+    EXPECT_EQ(person.intention_noise_m, other.intention_noise_m);
+  }
 }
 
 TEST(OperatorFile, PersonsDependOnSeedParticipantAndOperatorOnly) {

@@ -13,6 +13,7 @@ from palpate.analysis import numbers, tables
 from palpate.analysis.errors import InputError
 from palpate.analysis.report import Report
 from palpate.analysis.strategies.comparison import Comparison, compare
+from palpate.analysis.strategies.measures import TRAVEL
 from palpate.analysis.strategies.report_page import comparison_page
 from palpate.analysis.strategies.text import SIMULATED_HANDS, comparison_text
 from palpate.analysis.trials import read_trials
@@ -32,7 +33,11 @@ def run(arguments: argparse.Namespace) -> Report:
     """Read FOLDER/plan.json and FOLDER/trials/trials.csv."""
     folder: pathlib.Path = arguments.folder
     plan = _plan(folder / "plan.json")
-    trials = read_trials(folder / "trials" / "trials.csv")
+    path = folder / "trials" / "trials.csv"
+    trials = read_trials(path)
+    if TRAVEL not in trials:
+        raise InputError(str(path), f"line 1, column {TRAVEL}", "is missing; expected this column",
+                         "run palpate compare again")
     comparisons = [compare(trials, plan["strategies"], sorted(plan["objects"]), following,
                            plan["device"]["workspace_m"])
                    for following in plan["followings"]]

@@ -107,8 +107,7 @@ def _counts(trials: pd.DataFrame, strategies: Sequence[str], workspace_m: float)
     ends = pd.crosstab(trials["strategy"], trials["status"]).reindex(
         index=strategies, columns=list(_ENDS.values()), fill_value=0)
     # Of trials that were not completed, too: a scene that runs away is a reason for that.
-    travel_m = trials[TRAVEL] if TRAVEL in trials else pd.Series(np.nan, trials.index)
-    of_strategy = trials["strategy"]
+    travel_m, of_strategy = trials[TRAVEL], trials["strategy"]
     beyond = (travel_m > workspace_m).groupby(of_strategy).sum().reindex(strategies, fill_value=0)
     largest_m = travel_m.groupby(of_strategy).max().reindex(strategies)
     return pd.DataFrame({"strategy": strategies, "role": [role_of(each) for each in strategies],
@@ -156,7 +155,7 @@ def _means(values: Array, counts: pd.DataFrame, scene: str) -> pd.DataFrame:
 
 def compare(trials: pd.DataFrame, strategies: Sequence[str], scenes: Sequence[str],
             following: str, workspace_m: float) -> Comparison:
-    """trials: of read_trials(); those of other followings, of practice and of other strategies are
+    """trials: of read_trials(), with the travel; those of other followings, of practice and of other strategies are
     left out. strategies, scenes (objects): names in the order of tables. workspace_m: as in
     Comparison."""
     trials = trials[(trials["following"] == following) & (trials["block"] > 0)
