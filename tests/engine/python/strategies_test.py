@@ -202,6 +202,8 @@ def test_a_technique_that_was_not_completed_makes_no_other_the_best():
         row["status"] = "timeout" if row["strategy"] == "a4" and row["participant"] == "1" else "done"
     found, _, comparison = standings(rows, ["mask", "a4"])
     assert comparison.incomplete == ["a4"] and found == ["", ""]
+    lines = text.comparison_text(comparison).splitlines()
+    assert text.NOT_JUDGED in lines and "a4 loses by no measure" not in lines
 
 
 def test_equal_differences_decide_nothing_and_are_named():

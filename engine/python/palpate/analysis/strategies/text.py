@@ -9,6 +9,7 @@ from palpate.analysis import numbers
 from palpate.analysis.strategies.comparison import Comparison, is_tie_of_all, missing_by
 from palpate.analysis.strategies.measures import BY_NAME, TRAVEL, Measure
 
+NOT_JUDGED = "a4 is not compared: it completed too few trials"
 SIMULATED_HANDS = ("The hands are simulated: the intervals speak of seeds and of the ranges in the "
                    "operator file, not of people.")
 _HEADING_COLUMNS = 26
@@ -128,7 +129,9 @@ def comparison_text(comparison: Comparison) -> str:
                  "there is none")
     lines.append("- no value: not ranked")
     lines += [f"! {line}" for line in workspace_lines(comparison)]
-    if "a4" in set(comparison.means["strategy"]):
+    if "a4" in comparison.incomplete:
+        lines.append(NOT_JUDGED)
+    elif "a4" in set(comparison.means["strategy"]):
         losses = losses_by_strategy(comparison, "+-")
         lines.append("a4 loses (paired difference to a4):" if losses else "a4 loses by no measure")
         lines += [f"  to {name}{note}: {', '.join(measures)}" for name, note, measures in losses]
