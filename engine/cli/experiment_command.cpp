@@ -63,7 +63,7 @@ std::string merged_text(const MergedExperiment& merged, const std::string& folde
   std::ostringstream text;
   text << merged.trials << " trials of " << merged.participants
        << (merged.participants == 1 ? " participant:" : " participants:");
-  for (std::size_t i = 0; i < kTrialStatusNames.size(); ++i) {
+  for (std::size_t i = 0; i < kSimulatedStatusCount; ++i) {
     text << (i > 0 ? ", " : " ") << merged.by_status[i] << " " << kTrialStatusNames[i];
   }
   text << "\ntrials.csv, columns.csv and run.json are in " << folder << "/\n";
@@ -334,8 +334,10 @@ void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
       "levels of view, align,\nstart orientation or scale are analysed separately, and compared in "
       "differences.csv.\n\n"
       "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
-      "(NoR, R),\nobject, status (done, timeout, fault), total_time_s, losses_of_contact and "
-      "mean_penetration_m or\nmean_penetration_dm; mean_contact_angle_deg is optional.\n");
+      "(NoR, R),\nobject, status (done, timeout, fault, aborted, skipped), total_time_s, "
+      "losses_of_contact and\nmean_penetration_m or mean_penetration_dm; mean_contact_angle_deg is "
+      "optional. Of several attempts\nat a trial the last completed one counts. Rows with pilot 1 "
+      "are left out.\n");
   app.add_option("TRIALS", request.file,
                  "file of trials, as `experiment run` writes it (trials.csv)")
       ->required();

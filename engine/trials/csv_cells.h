@@ -74,12 +74,17 @@ struct CsvCells {
             values_text("text", Blank::kNone)};
   }
 
-  // An int.
+  // An int, which may be optional.
   template <class Member>
   static Cell<Row> whole(Member member, WholeRange range = {}) {
-    return {[member](const Row& row, CsvLines& lines) { lines.add(std::invoke(member, row)); },
+    return {[member](const Row& row, CsvLines& lines) {
+              write(std::invoke(member, row), lines, [&](int value) { lines.add(value); });
+            },
             [member, range](const std::string& field, Row& row) {
-              return read_whole(field, range, std::invoke(member, row));
+              int value = 0;
+              auto error = read_whole(field, range, value);
+              if (!error) std::invoke(member, row) = value;
+              return error;
             },
             values_text(range)};
   }

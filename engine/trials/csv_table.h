@@ -42,8 +42,7 @@ struct Cell {
 
 enum class Presence : std::uint8_t {
   kRequired,
-  kOptional,  // a file with FirstLine::kByName may be without it
-  kExtra      // the same, and a file may be written without it
+  kOptional  // a file with FirstLine::kByName may be without it
 };
 
 template <class Row>
@@ -97,45 +96,35 @@ Result<std::string_view> text_behind_mark(std::string_view text);
 Result<std::size_t> place_by_name(const std::vector<std::string>& header, std::string_view name,
                                   Presence presence);
 
-// The columns in a file; with_extra: also those of Presence::kExtra.
-template <class Row, class Use>
-void for_each_column(const CsvTable<Row>& table, bool with_extra, Use use) {
-  for (const Column<Row>& column : table.columns) {
-    if (with_extra || column.presence != Presence::kExtra) use(column);
-  }
-}
-
 // The first line.
 template <class Row>
-std::string names_in(const CsvTable<Row>& table, bool with_extra = true) {
+std::string names_in(const CsvTable<Row>& table) {
   std::string text;
-  for_each_column(table, with_extra,
-                  [&](const auto& column) { text.append(column.name).append(","); });
+  for (const Column<Row>& column : table.columns) text.append(column.name).append(",");
   text.pop_back();
   return text;
 }
 
 template <class Row>
-void write_row(const CsvTable<Row>& table, const Row& row, CsvLines& lines,
-               bool with_extra = true) {
-  for_each_column(table, with_extra, [&](const auto& column) { column.cell.write(row, lines); });
+void write_row(const CsvTable<Row>& table, const Row& row, CsvLines& lines) {
+  for (const Column<Row>& column : table.columns) column.cell.write(row, lines);
   lines.end_line();
 }
 
 // The text of columns.csv: name, unit, meaning, the paper's names if the paper has any, whether a
 // file may be without the column, and the values (Cell).
 template <class Row>
-std::string columns_text(const CsvTable<Row>& table, bool with_extra = true) {
+std::string columns_text(const CsvTable<Row>& table) {
   const bool has_paper = std::any_of(table.columns.begin(), table.columns.end(),
                                      [](const auto& column) { return !column.paper.empty(); });
   CsvLines lines(has_paper ? "name,unit,meaning,paper,presence,values"
                            : "name,unit,meaning,presence,values");
-  for_each_column(table, with_extra, [&](const auto& column) {
+  for (const Column<Row>& column : table.columns) {
     lines.add(column.name).add(column.unit).add(column.meaning);
     if (has_paper) lines.add(column.paper);
     lines.add(column.presence == Presence::kRequired ? "required" : "optional");
     lines.add(column.cell.values).end_line();
-  });
+  }
   return lines.text();
 }
 

@@ -123,15 +123,67 @@ inline double adapted_share(Following following) {
 }
 
 // Status: how a trial ended.
-enum class TrialStatus : std::uint8_t { kDone, kTimeout, kFault };
-inline constexpr ConditionLevels<TrialStatus, 3> kTrialStatusLevels = {
+enum class TrialStatus : std::uint8_t { kDone, kTimeout, kFault, kAborted, kSkipped };
+inline constexpr ConditionLevels<TrialStatus, 5> kTrialStatusLevels = {
     {{"done", "", TrialStatus::kDone},  // with a contact within the red sphere
      {"timeout", "the time limit was reached", TrialStatus::kTimeout},
-     {"fault", "a fault ended the trial", TrialStatus::kFault}}};
+     {"fault", "a fault ended the trial", TrialStatus::kFault},
+     {"aborted", "the trial was cut and is repeated", TrialStatus::kAborted},
+     {"skipped", "the experimenter left the trial out", TrialStatus::kSkipped}}};
 inline constexpr auto kTrialStatusNames = names_of(kTrialStatusLevels);
+// The first ones are those of simulated trials; people's trials have all.
+inline constexpr std::size_t kSimulatedStatusCount = 3;
+
+// Input: what moved the device point in a live trial.
+enum class LiveInput : std::uint8_t { kMouse, kPen, kTouch, kBoard, kScript };
+inline constexpr ConditionLevels<LiveInput, 5> kLiveInputLevels = {
+    {{"mouse", "", LiveInput::kMouse},
+     {"pen", "", LiveInput::kPen},
+     {"touch", "", LiveInput::kTouch},
+     {"board", "a hAPI board", LiveInput::kBoard},
+     {"script", "a scripted participant", LiveInput::kScript}}};
+inline constexpr auto kLiveInputNames = names_of(kLiveInputLevels);
+
+// Motion: whether the browser let fast strokes of a pointer count for more than slow ones.
+enum class PointerMotion : std::uint8_t { kUnaccelerated, kAccelerated, kUnknown };
+inline constexpr ConditionLevels<PointerMotion, 3> kPointerMotionLevels = {
+    {{"unaccelerated", "the length of a stroke alone counts", PointerMotion::kUnaccelerated},
+     {"accelerated", "fast strokes count for more", PointerMotion::kAccelerated},
+     {"unknown", "the input check could not tell", PointerMotion::kUnknown}}};
+inline constexpr auto kPointerMotionNames = names_of(kPointerMotionLevels);
+
+// Reason: why a live trial was aborted or skipped.
+enum class CutReason : std::uint8_t {
+  kFocus,
+  kFullScreen,
+  kPointerLock,
+  kHidden,
+  kLateTicks,
+  kLateFrames,
+  kTrip,
+  kFault,
+  kServer,
+  kExperimenter,
+  kParticipant
+};
+inline constexpr ConditionLevels<CutReason, 11> kCutReasonLevels = {
+    {{"focus", "the page lost the focus", CutReason::kFocus},
+     {"full_screen", "the page left full screen", CutReason::kFullScreen},
+     {"pointer_lock", "the pointer was released", CutReason::kPointerLock},
+     {"hidden", "the page was hidden", CutReason::kHidden},
+     {"late_ticks", "ticks were later than the plan permits", CutReason::kLateTicks},
+     {"late_frames", "pictures were later than the plan permits", CutReason::kLateFrames},
+     {"trip", "the governor released the force", CutReason::kTrip},
+     {"fault", "a fault of the engine", CutReason::kFault},
+     {"server", "the program ended", CutReason::kServer},
+     {"experimenter", "the experimenter asked for it", CutReason::kExperimenter},
+     {"participant", "the participant asked for it", CutReason::kParticipant}}};
+inline constexpr auto kCutReasonNames = names_of(kCutReasonLevels);
 
 static_assert(are_in_order(kHapticLevels) && are_in_order(kRotationLevels) &&
               are_in_order(kAlignmentLevels) && are_in_order(kViewLevels) &&
-              are_in_order(kFollowingLevels) && are_in_order(kTrialStatusLevels));
+              are_in_order(kFollowingLevels) && are_in_order(kTrialStatusLevels) &&
+              are_in_order(kLiveInputLevels) && are_in_order(kPointerMotionLevels) &&
+              are_in_order(kCutReasonLevels));
 
 }  // namespace palpate

@@ -51,6 +51,19 @@ enum MeasureIndex : std::size_t {
 // How many measures a file without strategies has: the first ones.
 inline constexpr std::size_t kPlainMeasureCount = kWallWork;
 
+// What only trials of people have (experiment live), and those of a script in a person's place.
+struct LiveColumns {
+  int pilot = 0;                        // 1: a trial that `experiment analyse` leaves out
+  std::optional<LiveInput> input;       // no value in any member: not in the file
+  std::optional<PointerMotion> motion;  // none for a board or a script
+  std::optional<CutReason> reason;      // only of trials that were aborted or skipped
+  std::optional<int> returns_shown;     // how often the ring showed where to return to
+  std::optional<int> clutches;
+  std::optional<int> pictures;  // drawn in the trial
+  std::optional<double> longest_picture_s;
+  std::optional<double> css_px_per_mm;
+};
+
 // Its columns are in trials_file.h.
 struct TrialRow {
   std::string following;    // a name of kFollowingLevels; empty for a person
@@ -72,6 +85,7 @@ struct TrialRow {
   std::string align{kAlignmentNames.front()};
   double start_orientation_deg = 0.0;
   double scale = 1.0;
+  std::optional<LiveColumns> live = {};
 };
 
 }  // namespace palpate

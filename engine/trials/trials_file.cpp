@@ -79,6 +79,8 @@ Cell<Row> strategy_name() {
 }
 
 constexpr NumberRange kNotNegative{0.0};
+constexpr NumberRange kPictureRange_s{0.0, 1e6};
+constexpr NumberRange kDensityRange_px_per_mm{0.0, 1e6, true};
 // Works, whose sign is their direction; a difference; a share that may go back.
 constexpr NumberRange kAnySign{};
 
@@ -109,7 +111,7 @@ Column<Row> measure(std::size_t index, const NumberRange& range, std::string_vie
           unit,
           std::string(meaning),
           paper,
-          index < kPlainMeasureCount ? kOptional : kExtra,
+          kOptional,
           {Field::number(member, {}).write, read, values_text(range, Blank::kEmptyOrNA)},
           kMeasures};
 }
@@ -129,13 +131,22 @@ constexpr std::array<std::string_view, kFaultCount> kFaultMeanings = {
     "ticks in which magnets and media reached their limit of work"};
 
 // "done, timeout (the time limit was reached) or fault (a fault ended the trial)"
-std::string status_meaning() {
+std::string words_of(std::span<const std::string_view> names,
+                     std::span<const std::string_view> meanings) {
   std::vector<std::string> words;
-  for (const auto& level : kTrialStatusLevels) {
-    const std::string meaning(level.meaning);
-    words.push_back(std::string(level.name) + (meaning.empty() ? "" : " (" + meaning + ")"));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string meaning(meanings[i]);
+    words.push_back(std::string(names[i]) + (meaning.empty() ? "" : " (" + meaning + ")"));
   }
   return joined_words({words.begin(), words.end()});
+}
+
+template <class Value, std::size_t count>
+std::string words_of(const ConditionLevels<Value, count>& levels, std::size_t first = count) {
+  std::array<std::string_view, count> meanings;
+  for (std::size_t i = 0; i < count; ++i) meanings[i] = levels[i].meaning;
+  const auto names = names_of(levels);
+  return words_of(std::span(names).first(first), std::span(meanings).first(first));
 }
 
 template <std::size_t count>
@@ -143,7 +154,8 @@ std::string one_of(const std::array<std::string_view, count>& names) {
   return joined_words({names.begin(), names.end()});
 }
 
-Columns columns_of_trials() {
+// statuses: how many of them the trials have.
+Columns columns_of_trials(std::size_t statuses) {
   return {
       {"following", "", "how a simulated operator follows the turning scene; empty for a person",
        "", kOptional, Field::level(&Row::following, kFollowingNames, kEmptyForPeople), kFirst},
@@ -161,8 +173,8 @@ Columns columns_of_trials() {
        Field::name(&Row::object)},
       {"attempt", "", "1, or higher for a trial that was repeated", "", kOptional,
        Field::whole(&Row::attempt, kFromOne)},
-      {"status", "", status_meaning(), "", kRequired,
-       Field::level(&Row::status, kTrialStatusNames)},
+      {"status", "", words_of(kTrialStatusLevels, statuses), "", kRequired,
+       Field::level(&Row::status, std::span(kTrialStatusNames).first(statuses))},
   };
 }
 
@@ -245,10 +257,13 @@ Columns columns_of_strategy_measures() {
   };
 }
 
+Columns column_of_strategy() {
+  return {{"strategy", "", "the technique for missing motors, in place of haptic and rotation", "",
+           kOptional, strategy_name(), kStrategyTurn}};
+}
+
 Columns columns_of_variants() {
   return {
-      {"strategy", "", "the technique for missing motors, in place of haptic and rotation", "",
-       kExtra, strategy_name(), kStrategyTurn},
       {"view", "", "what the display shows of a scene that turns: " + one_of(kViewNames), "",
        kOptional, Field::level(&Row::view, kViewNames, kAsInPaper)},
       {"align", "",
@@ -260,6 +275,72 @@ Columns columns_of_variants() {
        printed_number(&Row::scale, kScaleRange)},
   };
 }
+
+// A cell of LiveColumns. An empty field leaves the member as it is.
+Cell<Row> of_live(const Cell<LiveColumns>& cell) {
+  return {[cell](const Row& row, CsvLines& lines) {
+            if (row.live) {
+              cell.write(*row.live, lines);
+            } else {
+              lines.skip(1);
+            }
+          },
+          [cell](const std::string& field, Row& row) -> std::optional<FieldError> {
+            if (field.empty()) return std::nullopt;
+            if (!row.live) row.live.emplace();
+            auto error = cell.read(field, *row.live);
+            if (error) error->hint = kOtherMeaning;
+            return error;
+          },
+          values_text(cell.values, Blank::kEmpty)};
+}
+
+// Present in trials that were cut, and only there.
+Cell<Row> cut_reason(const Cell<Row>& level) {
+  return {
+      level.write,
+      [level](const std::string& field, Row& row) -> std::optional<FieldError> {
+        const bool is_cut =
+            row.status == TrialStatus::kAborted || row.status == TrialStatus::kSkipped;
+        if (field.empty() != is_cut) return level.read(field, row);
+        const std::string because =
+            ", because the status is " +
+            std::string(kTrialStatusNames[static_cast<std::size_t>(row.status)]);
+        if (!is_cut) return FieldError{"an empty field" + because};
+        return FieldError{joined_words({kCutReasonNames.begin(), kCutReasonNames.end()}) + because};
+      },
+      level.values};
+}
+
+Columns columns_of_live_trials() {
+  using Live = LiveColumns;
+  using LiveField = CsvCells<Live>;
+  return {
+      {"pilot", "", "1: a trial of a pilot run, which the analysis leaves out; otherwise 0", "",
+       kOptional, of_live(LiveField::whole(&Live::pilot, {0, 1}))},
+      {"input", "", "what moved the device point: " + words_of(kLiveInputLevels), "", kOptional,
+       of_live(LiveField::level(&Live::input, kLiveInputNames))},
+      {"motion", "",
+       "motion of the pointer that the browser granted: " + words_of(kPointerMotionLevels) +
+           "; empty for a board or a script",
+       "", kOptional, of_live(LiveField::level(&Live::motion, kPointerMotionNames))},
+      {"reason", "",
+       "why the trial was aborted or skipped: " + words_of(kCutReasonLevels) + "; empty otherwise",
+       "", kOptional, cut_reason(of_live(LiveField::level(&Live::reason, kCutReasonNames)))},
+      {"returns_shown", "1", "how often a ring showed where to return to", "", kOptional,
+       of_live(LiveField::whole(&Live::returns_shown, kFromZero))},
+      {"clutches", "1", "how often the hand was set back while the device point stood still", "",
+       kOptional, of_live(LiveField::whole(&Live::clutches, kFromZero))},
+      {"pictures", "1", "pictures drawn in the trial", "", kOptional,
+       of_live(LiveField::whole(&Live::pictures, kFromZero))},
+      {"longest_picture_s", "s", "longest time between two pictures", "", kOptional,
+       of_live(LiveField::number(&Live::longest_picture_s, kPictureRange_s))},
+      {"css_px_per_mm", "1/mm",
+       "pixels of CSS for each millimetre of the screen, as the participant measured it", "",
+       kOptional, of_live(LiveField::number(&Live::css_px_per_mm, kDensityRange_px_per_mm))},
+  };
+}
+
 // The view of a simulated person is the one of the following.
 std::optional<Error> check_view(const Row& row, std::size_t line) {
   if (row.following.empty()) return std::nullopt;
@@ -277,7 +358,8 @@ std::string key_of(const Row& row) {
   for (const std::string& part :
        {row.following, row.participant, std::to_string(row.block), row.haptic, row.rotation,
         row.strategy, row.object, std::to_string(row.attempt), row.view, row.align,
-        as_printed(row.start_orientation_deg), as_printed(row.scale)}) {
+        as_printed(row.start_orientation_deg), as_printed(row.scale),
+        std::to_string(row.live ? row.live->pilot : 0)}) {
     key += std::to_string(part.size()) + ":" + part;
   }
   return key;
@@ -289,15 +371,22 @@ std::string description_of(const Row& row) {
          (row.strategy.empty() ? row.haptic + ", " + row.rotation : row.strategy) + ", " +
          row.object + ", attempt " + std::to_string(row.attempt) + ", " + row.view + ", " +
          row.align + ", " + as_printed(row.start_orientation_deg) + " deg, scale " +
-         as_printed(row.scale);
+         as_printed(row.scale) + (row.live && row.live->pilot == 1 ? ", pilot" : "");
+}
+
+CsvTable<Row> table_of(std::initializer_list<Columns> parts) {
+  CsvTable<Row> table;
+  for (const Columns& columns : parts) {
+    table.columns.insert(table.columns.end(), columns.begin(), columns.end());
+  }
+  return table;
 }
 
 CsvTable<Row> make_table() {
-  CsvTable<Row> table;
-  for (const auto& columns : {columns_of_trials(), columns_of_measures(), columns_of_faults(),
-                              columns_of_strategy_measures(), columns_of_variants()}) {
-    table.columns.insert(table.columns.end(), columns.begin(), columns.end());
-  }
+  CsvTable<Row> table =
+      table_of({columns_of_trials(kTrialStatusNames.size()), columns_of_measures(),
+                columns_of_faults(), columns_of_strategy_measures(), column_of_strategy(),
+                columns_of_variants(), columns_of_live_trials()});
   table.first_line = FirstLine::kByName;
   table.other_count = [](std::size_t found, std::size_t expected) {
     return "has " + std::to_string(found) + " fields; expected " + std::to_string(expected) +
@@ -311,6 +400,31 @@ CsvTable<Row> make_table() {
   table.description = description_of;
   table.repeated_hint = "remove one of the lines, or number the attempts";
   return table;
+}
+
+// What is in a file of one kind.
+CsvTable<Row> make_written_table(TrialColumns kind) {
+  const Columns trials = columns_of_trials(kind == TrialColumns::kLive ? kTrialStatusNames.size()
+                                                                       : kSimulatedStatusCount);
+  switch (kind) {
+    case TrialColumns::kStrategies:
+      return table_of({trials, columns_of_measures(), columns_of_faults(),
+                       columns_of_strategy_measures(), column_of_strategy(),
+                       columns_of_variants()});
+    case TrialColumns::kLive:
+      return table_of({trials, columns_of_measures(), columns_of_faults(), columns_of_variants(),
+                       columns_of_live_trials()});
+    case TrialColumns::kFactors:
+      break;
+  }
+  return table_of({trials, columns_of_measures(), columns_of_faults(), columns_of_variants()});
+}
+
+const CsvTable<Row>& written_table(TrialColumns kind) {
+  static const std::array<CsvTable<Row>, 3> tables = {make_written_table(TrialColumns::kFactors),
+                                                      make_written_table(TrialColumns::kStrategies),
+                                                      make_written_table(TrialColumns::kLive)};
+  return tables[static_cast<std::size_t>(kind)];
 }
 
 }  // namespace
@@ -333,17 +447,26 @@ const std::array<std::string_view, kMeasureCount>& measure_names() {
 }
 
 const std::string& trials_columns(TrialColumns columns) {
-  static const std::string factors = names_in(trials_table(), false);
-  static const std::string strategies = names_in(trials_table(), true);
-  return columns == TrialColumns::kStrategies ? strategies : factors;
+  static const std::array<std::string, 3> names = {
+      names_in(written_table(TrialColumns::kFactors)),
+      names_in(written_table(TrialColumns::kStrategies)),
+      names_in(written_table(TrialColumns::kLive))};
+  return names[static_cast<std::size_t>(columns)];
 }
 
 void add_row(CsvLines& lines, const TrialRow& row) {
-  write_row(trials_table(), row, lines, !row.strategy.empty());
+  const TrialColumns kind = row.live               ? TrialColumns::kLive
+                            : row.strategy.empty() ? TrialColumns::kFactors
+                                                   : TrialColumns::kStrategies;
+  write_row(written_table(kind), row, lines);
 }
 
 std::string columns_csv(TrialColumns columns) {
-  return columns_text(trials_table(), columns == TrialColumns::kStrategies);
+  return columns_text(written_table(columns));
+}
+
+std::string all_columns_csv() {
+  return columns_text(trials_table());
 }
 
 Result<std::vector<TrialRow>> parse_trials(std::string_view text, const std::string& path) {

@@ -18,8 +18,8 @@ std::string run_json(const RunIdentity& identity, const std::vector<TrialRow>& r
   OrderedJson by_following = OrderedJson::object();
   for (const TrialRow& row : rows) {
     OrderedJson& counts = by_following[row.following];
-    for (const std::string_view status : kTrialStatusNames) {
-      OrderedJson& count = counts[std::string(status)];
+    for (std::size_t i = 0; i < kSimulatedStatusCount; ++i) {
+      OrderedJson& count = counts[std::string(kTrialStatusNames[i])];
       if (count.is_null()) count = 0;
     }
     OrderedJson& count =

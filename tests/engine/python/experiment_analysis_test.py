@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from experiment_samples import LIMIT_S, analysed, analysed_all, end_as, frame_of, where, without
 from palpate.analysis.errors import InputError
-from palpate.analysis.experiment.analysis import analyse_trials
+from palpate.analysis.experiment.analysis import analyse_trials, check_rows
 from palpate.analysis.experiment import paper
 from palpate.analysis.experiment.verdicts import (
     AGREES, DISAGREES, NOT_TESTABLE, UNDECIDED, comparisons_of, verdict_of)  # fmt: skip
@@ -269,8 +270,80 @@ def test_last_attempt_counts():
     analysis = analysed(rows)
     assert analysis.paper.trials == 720
     assert analysis.notes[0] == (
-        "Of several attempts at a trial the last one counts; rows of earlier attempts: 1."
+        "Of several attempts at a trial the last completed one counts, or the last one if none was "
+        "completed; other attempts: 1 (fault 1)."
     )
+
+
+def test_the_last_completed_attempt_counts_whatever_comes_after_it():
+    rows = sample_trials()
+    [row] = where(rows, participant="3", block=2, haptic="UaH", rotation="R", object="O2")
+    later = [{**row, "attempt": n, "total_time_s": 1.0} for n in (3, 2)]
+    rows += later
+    assert analysed(rows).experiment.repeated == {"done": 2}
+    expected = analysed([r for r in rows if r is not row and r is not later[1]])
+    ends = {"timeout": "", "fault": "", "aborted": "server", "skipped": "experimenter"}
+    for status, reason in ends.items():
+        cut(status, reason, later[:1])
+        found = analysed(rows).experiment
+        assert found.repeated == {"done": 1, reason or status: 1}
+        assert found.missing == 0
+    assert found.trials["time"].min() == 1.0 == expected.experiment.trials["time"].min()
+
+
+def cut(status, reason, rows):
+    end_as(status, rows)
+    for row in rows:
+        row["reason"] = reason
+
+
+def test_a_trial_that_was_cut_is_missing_unless_it_was_completed_later():
+    rows = sample_trials()
+    again = where(rows, participant="3", block=2, haptic="UaH", rotation="R")
+    rows += [{**row, "attempt": 2} for row in again]
+    cut("aborted", "focus", again[:3])
+    cut("aborted", "hidden", again[3:])
+    cut("aborted", "trip", where(rows, participant="5", block=1, haptic="H", object="O1"))
+    cut("skipped", "participant", where(rows, participant="9", block=3, object="O4", haptic="H"))
+    experiment = analysed(rows).experiment
+    assert experiment.repeated == {"focus": 3, "hidden": 1}
+    assert experiment.total == {"done": 716, "timeouts": 0, "faults": 0, "aborted": 2, "skipped": 2,
+                                "absent": 0}
+    assert experiment.missing == 4
+    reasons = experiment.counts["reasons"]
+    assert reasons["all", "all", "all"] == "aborted: trip 2; skipped: participant 2"
+    assert reasons["H", "R", "O1"] == "aborted: trip 1"
+    assert reasons["H", "NoR", "O4"] == "skipped: participant 1"
+    assert reasons["UaH", "R", "O1"] == ""
+    # The other trials are analysed as if there were no such rows.
+    kept = [row for row in rows if row["status"] == "done"]
+    alone, whole = analysed(kept), analysed(rows)
+    assert alone.experiment.total["absent"] == 4
+    for outcome, primary in whole.primary.items():
+        pd.testing.assert_frame_equal(primary.effects, alone.primary[outcome].effects)
+        pd.testing.assert_frame_equal(primary.pairs, alone.primary[outcome].pairs)
+
+
+def test_rows_of_a_pilot_run_are_left_out():
+    rows = sample_trials()
+    pilots = [{**row, "pilot": 1, "total_time_s": 500.0} for row in where(rows, participant="1")]
+    analysis = analysed_all(rows + pilots)
+    assert analysis.pilot_rows == len(pilots)
+    alone = analysed_all(rows)
+    assert alone.pilot_rows == 0
+    for outcome, primary in analysis.operators[0].primary.items():
+        expected = alone.operators[0].primary[outcome]
+        pd.testing.assert_frame_equal(primary.effects, expected.effects)
+    check_rows(frame_of([*end_one_late(rows), *pilots]), LIMIT_S)
+    with pytest.raises(InputError) as refused:
+        analysed_all(pilots)
+    assert str(refused.value).startswith("column pilot: is 1 in every row; expected trials that")
+
+
+def end_one_late(rows):
+    """With a timeout, so that a time beyond the limit would be refused."""
+    end_as("timeout", rows[-1:])
+    return rows
 
 
 def test_findings_of_the_papers_means_agree():

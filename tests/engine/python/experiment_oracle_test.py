@@ -22,8 +22,12 @@ from palpate.analysis.errors import InputError
 from palpate.analysis.experiment import command, page
 from palpate.analysis.experiment.tables import TABLES
 
-WIDER = ("comparisons",)  # tables with new columns before the last ones
+WIDER = ("comparisons", "missing_trials")  # tables with new columns before the last ones
 LATER = ("verdicts", "variances", "loss_rates")  # tables
+LATER_KEYS = (*LATER, "pilot_rows")
+# Effect sizes; trials that only people have.
+LATER_COLUMNS = {"comparisons": ("d_z", "d_z_low_95", "d_z_high_95"),
+                 "missing_trials": ("aborted", "skipped", "reasons")}
 # People lead since then, and the texts count people and simulated persons apart.
 MIXED = {"people_and_simulated", "people_and_simulated_with_both_views"}
 # The program refuses these before it starts Python.
@@ -52,6 +56,10 @@ def no_drawing(figure, name, title):
     return Markup("<svg></svg>")
 
 
+# The note on several attempts, before the last completed one counted.
+ATTEMPTS = "Of several attempts at a trial the last one counts; rows of earlier attempts: {}."
+
+
 def run(case, folder, monkeypatch):
     case.put_inputs(folder)
     monkeypatch.chdir(folder)
@@ -68,13 +76,14 @@ def test_report_has_the_numbers_and_texts(case, tmp_path, monkeypatch):
     report = run(case, tmp_path, monkeypatch)
     assert sorted(report.files) == sorted([*case.results, *(f"{name}.csv" for name in LATER)])
     if case.name not in MIXED:
-        assert case.stdout.splitlines()[0] == report.text.splitlines()[0]
+        found_line = report.text.splitlines()[0].partition("; repeated: ")[0]
+        assert case.stdout.splitlines()[0] == found_line
     warnings = [f"palpate: warning: {line}" for line in report.warnings]
     expected = case.stderr.replace("is not drawn: figure: ", "is not drawn: ").splitlines()
     assert Counter(warnings) == Counter(expected)
     found, expected = json.loads(report.files["analysis.json"]), case.json("analysis.json")
-    assert [name for name in found if name not in LATER] == list(expected)
-    for name in LATER:
+    assert [name for name in found if name not in LATER_KEYS] == list(expected)
+    for name in LATER_KEYS:
         del found[name]
     for name in found:
         if f"{name}.csv" in report.files:
@@ -84,9 +93,10 @@ def test_report_has_the_numbers_and_texts(case, tmp_path, monkeypatch):
                 assert heads[: len(expected[name][0])] == list(expected[name][0]) or name in WIDER
             texts = [heads, *([cell(row[head]) for head in heads] for row in found[name])]
             assert_tables_agree(rows, texts, [], name)
-    for row in found["comparisons"]:  # effect sizes came later
-        for name in ("d_z", "d_z_low_95", "d_z_high_95"):
-            del row[name]
+    for table, names in LATER_COLUMNS.items():
+        for row in found[table]:
+            for name in names:
+                del row[name]
     if case.name in MIXED:
         for each in (found, expected):
             each["operators"].sort(key=whose)
@@ -107,7 +117,7 @@ def sections(html):
     operators = html[html.index('<section class="operator"'): html.index('<section id="explanations"')]
     facts = html[html.index('<section id="facts"'):]
     lines = visible_text(operators) + visible_text(facts)
-    changed = ("Significant p values are bold. The", "Paired t tests of")
+    changed = ("Significant p values are bold. The", "Paired t tests of", "Of several attempts")
     return [without_size(line) for line in lines if not line.startswith(changed)]
 
 
@@ -125,6 +135,10 @@ def cell(value):
 
 def align(case, found, expected):
     """Takes known differences away, after it has judged them."""
+    for each in found["operators"]:
+        repeated = sum(each.pop("repeated").values())
+        each["notes"] = [ATTEMPTS.format(repeated) if note.startswith("Of several attempts") else note
+                         for note in each["notes"]]
     for each in expected["operators"] + found["operators"]:
         if case.name == "names_with_markup":
             # The C++ compared signed bytes, so that other letters than ASCII came first.

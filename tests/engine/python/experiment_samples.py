@@ -16,6 +16,7 @@ from sample_trials import COLUMNS, trials_csv
 
 LIMIT_S = 120.0
 ALL_FOLLOWINGS = ("delayed", "predict", "replan", "frozen")
+LIVE = ("pilot", "reason")
 VARIANT = ("view", "align", "start_orientation_deg", "scale")
 
 
@@ -23,7 +24,7 @@ def frame_of(rows) -> pd.DataFrame:
     """What read_trials() makes of a file with these rows."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "trials.csv")
-        path.write_text(trials_csv(rows, COLUMNS + VARIANT))
+        path.write_text(trials_csv(rows, COLUMNS + VARIANT + LIVE))
         return read_trials(path)
 
 
@@ -38,7 +39,7 @@ def analysed(rows) -> OperatorAnalysis:
 def written(rows, folder: Path, name="trials.csv", limit_s=LIMIT_S, columns=COLUMNS) -> Report:
     """The report of a file with these rows; `name` as the user names it."""
     path = folder / name
-    path.write_text(trials_csv(rows, columns + VARIANT))
+    path.write_text(trials_csv(rows, columns + VARIANT + LIVE))
     report = command.run(argparse.Namespace(trials=str(path), limit=limit_s))
     for file, text in report.files.items():
         report.files[file] = text.replace(str(path), name)
@@ -59,6 +60,6 @@ def end_as(status, rows):
     """Ends trials so: they have no measure."""
     for row in rows:
         kept = COLUMNS[: COLUMNS.index("status")]
-        for column in [c for c in row if c not in kept + VARIANT]:
+        for column in [c for c in row if c not in kept + VARIANT + LIVE]:
             del row[column]
         row["status"] = status

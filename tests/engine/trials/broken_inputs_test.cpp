@@ -619,7 +619,7 @@ TEST(BrokenInputs, ATableOfTrialsIsRefusedByLineAndColumn) {
       {with("NoH,R,", "NoH,A4,"), "line 2, column rotation", "NoR or R"},
       {with("NoH,R,O1", "NoH,R,"), "line 2, column object", "a name"},
       {with("1,done", "0,done"), "line 2, column attempt", "from 1"},
-      {with("done", "ok"), "line 2, column status", "done, timeout or fault"},
+      {with("done", "ok"), "line 2, column status", "done, timeout, fault, aborted or skipped"},
       {with("timeout", ""), "line 3, column status", "is \"\""},
       {with("25.5", "\"25,5\""), "line 2, column total_time_s", "is \"25,5\"; expected a number"},
       {with("25.5", "25.5 s"), "line 2, column total_time_s", "a number"},
@@ -660,6 +660,129 @@ TEST(BrokenInputs, ATableWithAnUnknownFollowingIsRefused) {
   ASSERT_FALSE(rows.ok());
   expect_error(rows.error(), "line 2, column following",
                "delayed, predict, replan, frozen, adapts-0, adapts-0.5 or adapts-1", "t.csv");
+}
+
+TrialRow live_row() {
+  TrialRow row;
+  row.participant = "7";
+  row.block = 2;
+  row.trial = 5;
+  row.haptic = "UaH";
+  row.rotation = "R";
+  row.object = "O4";
+  row.attempt = 2;
+  row.status = TrialStatus::kAborted;
+  row.live = LiveColumns{.pilot = 1,
+                         .input = LiveInput::kPen,
+                         .motion = PointerMotion::kUnknown,
+                         .reason = CutReason::kLateFrames,
+                         .returns_shown = 3,
+                         .clutches = 0,
+                         .pictures = 812,
+                         .longest_picture_s = 1.0 / 30.0,
+                         .css_px_per_mm = 1e-3 / 7.0};
+  return row;
+}
+
+std::string live_text(const TrialRow& row) {
+  CsvLines lines(trials_columns(TrialColumns::kLive));
+  add_row(lines, row);
+  return lines.text();
+}
+
+TEST(LiveTrialsFile, HasTheLiveColumnsBehindThePlainOnes) {
+  const std::string& live = trials_columns(TrialColumns::kLive);
+  EXPECT_EQ(live, trials_columns() +
+                      ",pilot,input,motion,reason,returns_shown,clutches,pictures,"
+                      "longest_picture_s,css_px_per_mm");
+  const std::string text = columns_csv(TrialColumns::kLive);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
+            2 + std::count(live.begin(), live.end(), ','));
+  EXPECT_NE(text.find(",required,done|timeout|fault|aborted|skipped\n"), std::string::npos);
+  // Simulated trials are neither aborted nor skipped.
+  for (const TrialColumns kind : {TrialColumns::kFactors, TrialColumns::kStrategies}) {
+    EXPECT_NE(columns_csv(kind).find(",required,done|timeout|fault\n"), std::string::npos);
+    EXPECT_EQ(columns_csv(kind).find("pilot"), std::string::npos);
+  }
+}
+
+TEST(LiveTrialsFile, RestoresEveryRowToTheBit) {
+  TrialRow without_values = live_row();
+  without_values.status = TrialStatus::kDone;
+  without_values.live = LiveColumns{};
+  for (const TrialRow& row : {live_row(), without_values}) {
+    const std::string text = live_text(row);
+    const auto rows = parse_trials(text, "t.csv");
+    ASSERT_TRUE(rows.ok()) << rows.error().to_string();
+    ASSERT_TRUE(rows->front().live.has_value());
+    const LiveColumns& read = *rows->front().live;
+    EXPECT_EQ(read.pilot, row.live->pilot);
+    EXPECT_EQ(read.input, row.live->input);
+    EXPECT_EQ(read.motion, row.live->motion);
+    EXPECT_EQ(read.reason, row.live->reason);
+    EXPECT_EQ(read.returns_shown, row.live->returns_shown);
+    EXPECT_EQ(read.clutches, row.live->clutches);
+    EXPECT_EQ(read.pictures, row.live->pictures);
+    EXPECT_EQ(read.longest_picture_s, row.live->longest_picture_s);
+    EXPECT_EQ(read.css_px_per_mm, row.live->css_px_per_mm);
+    EXPECT_EQ(live_text(rows->front()), text);
+  }
+}
+
+// A trial of a pilot run is another trial.
+TEST(LiveTrialsFile, KeepsPilotRowsApartAndReadsRowsWithoutLiveColumns) {
+  const std::string head = "participant,block,haptic,rotation,object,status,pilot,reason\n";
+  const auto rows = parse_trials(
+      head + "1,1,H,R,O1,done,1,\n1,1,H,R,O1,done,0,\n2,1,H,R,O1,skipped,,participant\n"
+             "3,1,H,R,O1,fault,,\n",
+      "t.csv");
+  ASSERT_TRUE(rows.ok()) << rows.error().to_string();
+  EXPECT_EQ(rows->at(0).live->pilot, 1);
+  EXPECT_EQ(rows->at(2).live->reason, CutReason::kParticipant);
+  EXPECT_EQ(rows->at(2).status, TrialStatus::kSkipped);
+  EXPECT_FALSE(rows->at(3).live.has_value());
+  const auto without_reasons =
+      parse_trials("participant,block,haptic,rotation,object,status\n1,1,H,R,O1,aborted\n", "");
+  EXPECT_TRUE(without_reasons.ok());
+}
+
+// The lines of tests/engine/python/trials_test.py are the same.
+TEST(BrokenInputs, ATableOfLiveTrialsIsRefusedByLineAndColumn) {
+  const std::string head =
+      "participant,block,haptic,rotation,object,status,pilot,input,motion,reason,returns_shown,"
+      "clutches,pictures,longest_picture_s,css_px_per_mm\n";
+  const std::string hint = " (rename the column if it has another meaning)";
+  const std::string reasons =
+      "focus, full_screen, pointer_lock, hidden, late_ticks, late_frames, trip, fault, server, "
+      "experimenter or participant";
+  const std::vector<std::array<std::string, 2>> broken = {
+      {"done,2,mouse,unknown,,0,0,9,0.1,4",
+       "column pilot: is \"2\"; expected a whole number from 0 to 1" + hint},
+      {"done,0,Mouse,unknown,,0,0,9,0.1,4",
+       "column input: is \"Mouse\"; expected mouse, pen, touch, board or script" + hint},
+      {"done,0,mouse,fast,,0,0,9,0.1,4",
+       "column motion: is \"fast\"; expected unaccelerated, accelerated or unknown" + hint},
+      {"aborted,0,mouse,unknown,bored,0,0,9,0.1,4",
+       "column reason: is \"bored\"; expected " + reasons + hint},
+      {"skipped,0,mouse,unknown,,0,0,9,0.1,4",
+       "column reason: is \"\"; expected " + reasons + ", because the status is skipped"},
+      {"done,0,mouse,unknown,focus,0,0,9,0.1,4",
+       "column reason: is \"focus\"; expected an empty field, because the status is done"},
+      {"done,0,mouse,unknown,,-1,0,9,0.1,4",
+       "column returns_shown: is \"-1\"; expected a whole number from 0 to 1000000" + hint},
+      {"done,0,mouse,unknown,,0,0.5,9,0.1,4",
+       "column clutches: is \"0.5\"; expected a whole number from 0 to 1000000" + hint},
+      {"done,0,mouse,unknown,,0,0,NA,0.1,4",
+       "column pictures: is \"NA\"; expected a whole number from 0 to 1000000" + hint},
+      {"done,0,mouse,unknown,,0,0,9,inf,4",
+       "column longest_picture_s: is \"inf\"; expected a number from 0 to 1e+06" + hint},
+      {"done,0,mouse,unknown,,0,0,9,0.1,0",
+       "column css_px_per_mm: is \"0\"; expected a number above 0 and at most 1e+06" + hint}};
+  for (const auto& [fields, problem] : broken) {
+    const auto rows = parse_trials(head + "1,1,H,R,O1," + fields + "\n", "t.csv");
+    ASSERT_FALSE(rows.ok()) << fields;
+    EXPECT_EQ(rows.error().to_string(), "t.csv: line 2, " + problem);
+  }
 }
 
 // An empty field of the last columns stands for what the paper did.

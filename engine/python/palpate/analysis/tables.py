@@ -129,6 +129,11 @@ class Column:
             return ("", "NA")
         return ("",) if self.values.endswith(" or empty") else ()
 
+    @property
+    def is_text(self) -> bool:
+        """Whether the values are texts or names of levels."""
+        return self.values.partition(" ")[0] not in ("whole", "number")
+
     def reader(self) -> Callable[[str], Cell]:
         """A function that returns the value of a field; ValueError says what was expected."""
         kind, _, rest = self.values.removesuffix(" or NA").removesuffix(" or empty").partition(" ")

@@ -20,9 +20,13 @@ _STRATEGY = "an empty field, or the name of a strategy, such as a4"
 AS_IN_PAPER: dict[str, Cell] = {"view": "turning", "align": "nearest",
                                 "start_orientation_deg": 0.0, "scale": 1.0}
 _ABSENT: dict[str, Cell] = {"following": "", "strategy": "", "trial": 0, "attempt": 1,
-                            **AS_IN_PAPER}
+                            **AS_IN_PAPER, "pilot": 0, "reason": ""}
 _KEY = ("following", "participant", "block", "haptic", "rotation", "strategy", "object", "attempt",
-        "view", "align", "start_orientation_deg", "scale")
+        "view", "align", "start_orientation_deg", "scale", "pilot")
+_CUT = ("aborted", "skipped")  # statuses that have a reason
+# The columns that only live trials have.
+_LIVE = ("pilot", "input", "motion", "reason", "returns_shown", "clutches", "pictures",
+         "longest_picture_s", "css_px_per_mm")
 _STILL = ("adapts-0", "adapts-0.5", "adapts-1")  # followings whose display does not turn
 
 
@@ -42,12 +46,15 @@ def read_trials(path: str | os.PathLike[str]) -> pd.DataFrame:
     """Read the trials of a file, strictly.
 
     Returns a row for each trial, in the order of the file, and all columns of `columns.csv` that
-    identify a trial; of the measures, those that the file has. Texts are str, `block`, `trial` and
-    `attempt` are int64, measures are float64 (NaN: no value) in the unit that their name ends with.
+    identify a trial, `pilot` (1: of a pilot run) and `reason` (why a trial was cut); of the measures
+    and of the other columns of live trials, those that the file has. Texts are str (empty: no
+    value), `block`, `trial`, `attempt` and `pilot` are int64, other numbers are float64 (NaN: no
+    value) in the unit that their name ends with.
 
     Raises InputError (one line with the file, the line and the column) for what breaks RFC 4180,
     for a missing or repeated column, a value that `columns.csv` does not permit, a measure that is
-    not finite in a trial that is done, and for a trial that occurs twice. Other columns are ignored.
+    not finite in a trial that is done, a reason in a trial that was not cut, and for a trial that
+    occurs twice. Other columns are ignored.
     """
     text = tables.read_text(path)
     try:
@@ -73,11 +80,16 @@ class _Reader:
             for name in order if name in by_name]
         self.measure_cells = [(name, self.places[name], "0.." in by_name[name].values)
                               for name in self.measures]
+        live = [by_name[name] for name in _LIVE if name in by_name and name != "pilot"]
+        self.live_numbers = [column.name for column in live if not column.is_text]
+        self.absent = {**_ABSENT, **{c.name: "" if c.is_text else math.nan for c in live}}
 
     def row(self, line: int, fields: list[str]) -> dict[str, Cell]:
-        row = dict(_ABSENT)
+        row = dict(self.absent)
         for name, place, blanks, read in self.cells:
             field = fields[place]
+            if name == "reason":
+                _check_reason(line, field, str(row["status"]), read)
             if field in blanks:
                 continue
             if name in ("haptic", "rotation") and row["strategy"]:
@@ -90,12 +102,24 @@ class _Reader:
                 row[name] = read(field)
             except ValueError as error:
                 expected = _STRATEGY if name == "strategy" else str(error)
-                hint = _OTHER_MEANING if name in (*AS_IN_PAPER, "strategy") else ""
+                hint = _OTHER_MEANING if name in (*AS_IN_PAPER, "strategy", *_LIVE) else ""
                 raise field_error(line, name, field, expected, hint) from None
         _check_view(line, row)
         for name, place, not_negative in self.measure_cells:
             row[name] = _measure(line, name, fields[place], not_negative, row["status"] == "done")
         return row
+
+
+def _check_reason(line: int, field: str, status: str, read: Callable[[str], Cell]) -> None:
+    if (field != "") == (status in _CUT):
+        return
+    expected = "an empty field"
+    if not field:
+        try:
+            read(field)
+        except ValueError as error:
+            expected = str(error)
+    raise field_error(line, "reason", field, f"{expected}, because the status is {status}")
 
 
 def _check_view(line: int, row: dict[str, Cell]) -> None:
@@ -125,7 +149,8 @@ def _described(row: dict[str, Cell]) -> str:
     parts = [row["following"] or None, f"participant {row['participant']}", f"block {row['block']}",
              row["strategy"] or f"{row['haptic']}, {row['rotation']}", row["object"],
              f"attempt {row['attempt']}", row["view"], row["align"],
-             f"{row['start_orientation_deg']:g} deg", f"scale {row['scale']:g}"]
+             f"{row['start_orientation_deg']:g} deg", f"scale {row['scale']:g}",
+             "pilot" if row["pilot"] else None]
     return ", ".join(str(part) for part in parts if part is not None)
 
 
@@ -156,4 +181,4 @@ def _parsed(text: str) -> pd.DataFrame:
     if not rows:
         raise InputError("", "", "has no trial; expected a line for each trial below the first "
                                  "line")
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows).astype(dict.fromkeys(reader.live_numbers, float))

@@ -143,7 +143,7 @@ TEST(StrategyTrialsFile, HasTheNewMeasuresAndTheStrategyBeforeTheLevelsOfThePlan
 
 // The package reads a table without a folder of results by this copy.
 TEST(StrategyTrialsFile, HasTheColumnsThatPythonReads) {
-  EXPECT_EQ(columns_csv(TrialColumns::kStrategies),
+  EXPECT_EQ(all_columns_csv(),
             bytes_of(PALPATE_MODELS_DIR "/../engine/python/palpate/analysis/columns.csv"));
 }
 

@@ -13,7 +13,7 @@ from palpate.analysis.numbers import number_or_dash
 
 from .as_paper import AsPaper, analyse_as_paper, experiment_notes
 from .differences import Difference, differences_of
-from .experiments import Experiment, experiments_of
+from .experiments import Experiment, counts_text, experiments_of, without_pilots
 from .findings import FindingResult, judge
 from .loss_rates import LossRates, loss_rates
 from .outcomes import ANGLE, OUTCOMES, PAPER_OUTCOMES, TIME_TO_LIMIT, Outcome
@@ -53,10 +53,11 @@ class OperatorAnalysis:
 @dataclass
 class ExperimentAnalysis:
     """operators: at least one, in the order of experiments_of(). differences: none with one
-    variant."""
+    variant. pilot_rows: how many rows were left out because they are of a pilot run."""
 
     operators: list[OperatorAnalysis]
     differences: list[Difference]
+    pilot_rows: int = 0
 
     @property
     def experiments(self) -> list[Experiment]:
@@ -88,13 +89,18 @@ def analyse_trials(frame: pd.DataFrame, limit_s: float) -> ExperimentAnalysis:
     following has such a condition. If the file has several variants, a reason why the paper's
     analysis is not possible is no error: they are still compared.
     """
-    experiments = experiments_of(frame, limit_s)
+    counted = without_pilots(frame)
+    if counted.empty and len(frame):
+        raise InputError("", "column pilot", "is 1 in every row; expected trials that are not of a "
+                         "pilot run", "`palpate experiment power` can use them")
+    experiments = experiments_of(counted, limit_s)
     several = len({experiment.variant for experiment in experiments}) > 1
     operators = [_analyse(experiment, several) for experiment in experiments]
     if not several and not any(each.paper for each in operators):
         with _in_following(experiments[0]):
             analyse_as_paper(experiments[0])
-    return ExperimentAnalysis(operators, differences_of(experiments))
+    pilot_rows = len(frame) - len(counted)
+    return ExperimentAnalysis(operators, differences_of(experiments), pilot_rows)
 
 
 class _in_following:
@@ -113,10 +119,11 @@ class _in_following:
 
 def _analyse(experiment: Experiment, is_one_of_several: bool) -> OperatorAnalysis:
     analysis = OperatorAnalysis(experiment, notes=experiment_notes(experiment))
-    if experiment.earlier_attempts:
+    if experiment.repeated:
         analysis.notes.append(
-            "Of several attempts at a trial the last one counts; rows of earlier attempts: "
-            f"{experiment.earlier_attempts}."
+            "Of several attempts at a trial the last completed one counts, or the last one if none "
+            f"was completed; other attempts: {sum(experiment.repeated.values())} "
+            f"({counts_text(experiment.repeated)})."
         )
     with _in_following(experiment):
         _analyse_fixed_effects(analysis, is_one_of_several)
@@ -195,7 +202,8 @@ def check_rows(frame: pd.DataFrame, limit_s: float) -> None:
             "expected trials with haptic and rotation",
             "`palpate compare` compares strategies",
         )
-    counted = frame[frame["block"] > 0]
+    counted = without_pilots(frame)
+    counted = counted[counted["block"] > 0]
     if "total_time_s" not in frame or not (counted["status"] == "timeout").any():
         return
     beyond = counted[(counted["status"] == "done") & (counted["total_time_s"] > limit_s)]

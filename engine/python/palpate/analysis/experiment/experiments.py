@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -23,7 +23,10 @@ FACTORS = ("Haptic", "Rotation", "Object", "Trial")
 CONDITION = ["Haptic", "Rotation", "Object"]
 HAPTIC = ("NoH", "UaH", "H")
 ROTATION = ("NoR", "R")
-STATUS = ("done", "timeout", "fault")
+# The statuses of trials, and how counts name them.
+STATUS = {"done": "done", "timeout": "timeouts", "fault": "faults", "aborted": "aborted",
+          "skipped": "skipped"}
+ENDED = ["done", "timeouts", "faults"]  # those that were neither cut nor left out
 FOLLOWINGS = ("delayed", "predict", "replan", "frozen", "adapts-0", "adapts-0.5", "adapts-1", "")
 VARIANT = ["view", "align", "start_orientation_deg", "scale"]
 
@@ -78,14 +81,16 @@ def natural(name: str) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class Experiment:
-    """trials: one row for each trial that counts (practice is left out, and so are earlier
-    attempts), sorted, with the columns `participant` and FACTORS (categories: the levels that
-    occur, in their order), `status` and the key of each outcome. following: empty for people."""
+    """trials: one row for each trial (practice is left out), sorted, with the columns `participant`
+    and FACTORS (categories: the levels that occur, in their order), `status`, `reason` and the key
+    of each outcome. Of several attempts at a trial it is the last completed one, or the last one if
+    none was completed. repeated: how many other attempts there were, by reason, or by status if
+    they have none. following: empty for people."""
 
     following: str
     variant: Variant
     trials: pd.DataFrame
-    earlier_attempts: int
+    repeated: dict[str, int]
     limit_s: float
 
     @property
@@ -139,24 +144,36 @@ class Experiment:
     def counts(self) -> pd.DataFrame:
         """How the trials of each condition ended, indexed by CONDITION; the first row, ("all",
         "all", "all"), is of all conditions. absent: without a row for a participant, a condition
-        and a block. share, low, high: timeouts among the trials that took place, with Wilson's
-        95 % interval."""
+        and a block. share, low, high: timeouts among the trials that ended by themselves, with
+        Wilson's 95 % interval. reasons: of aborted and skipped trials."""
         by_status = self.trials.groupby([*CONDITION, "status"], observed=False).size()
         counts = by_status.unstack("status")
-        counts.columns = ["done", "timeouts", "faults"]
+        counts.columns = list(STATUS.values())
         planned = len(self.participants) * len(self.levels["Trial"])
         counts["absent"] = planned - counts.sum(axis=1)
         everything = counts.sum().to_frame(("all",) * 3).T
         index = pd.MultiIndex.from_tuples([("all",) * 3, *counts.index], names=CONDITION)
         counts = pd.concat([everything, counts]).set_axis(index)
-        held = counts[["done", "timeouts", "faults"]].sum(axis=1)
+        held = counts[ENDED].sum(axis=1)
         low, high = wilson(counts["timeouts"].to_numpy(), held.to_numpy())
-        return counts.assign(share=counts["timeouts"] / held.where(held > 0), low=low, high=high)
+        share = counts["timeouts"] / held.where(held > 0)
+        reasons = [self._reasons(levels) for levels in counts.index]
+        return counts.assign(share=share, low=low, high=high, reasons=reasons)
+
+    def _reasons(self, levels: tuple[str, ...]) -> str:
+        """ "aborted: focus 2, hidden 1; skipped: experimenter 1"."""
+        cut = self.trials[self.trials["reason"] != ""]
+        if levels[0] != "all":
+            cut = cut[(cut[CONDITION].astype(str) == levels).all(axis=1)]
+        by_status = cut.groupby("status", observed=True)["reason"]
+        return "; ".join(f"{status}: {counts_text(reasons.value_counts().to_dict())}"
+                         for status, reasons in by_status)
 
     @property
     def total(self) -> dict[str, int]:
-        """done, timeouts, faults and absent, of all conditions together."""
-        return {name: int(n) for name, n in self.counts.iloc[0, :4].items()}
+        """By the names of STATUS, and absent, of all conditions together."""
+        counts = self.counts.iloc[0]
+        return {name: int(counts[name]) for name in (*STATUS.values(), "absent")}
 
     def done(self, levels: dict[str, str]) -> int:
         """How many trials were completed at these levels of factors of the condition."""
@@ -174,6 +191,17 @@ class Experiment:
         of_conditions = self.counts["done"].iloc[1:]
         empty = of_conditions.index[of_conditions == 0]
         return ", ".join(empty[0]) if len(empty) else None
+
+
+def without_pilots(frame: pd.DataFrame) -> pd.DataFrame:
+    """The trials that are not of a pilot run."""
+    return frame[frame["pilot"] == 0]
+
+
+def counts_text(counts: Mapping[str, int]) -> str:
+    """ "focus 2, hidden 1": the largest first."""
+    order = sorted(counts.items(), key=lambda count: (-count[1], count[0]))
+    return ", ".join(f"{name} {n}" for name, n in order)
 
 
 def whose(following: str, variant: Variant) -> str:
@@ -220,24 +248,35 @@ def _in_order(names: pd.Series[Any], known: Sequence[str] | None = None) -> pd.C
     return pd.Categorical(texts, categories=levels, ordered=True)
 
 
+def _attempts(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The attempts that count, one for each trial, and the other ones."""
+    rows = rows.assign(is_done=rows["status"] == "done").sort_values(
+        ["is_done", "attempt"], kind="stable"
+    )
+    keys = ["participant", "block", "haptic", "rotation", "object"]
+    is_counted = ~rows.duplicated(keys, keep="last")
+    return rows[is_counted], rows[~is_counted]
+
+
 def _experiment(
     variant: Variant, following: str, frame: pd.DataFrame, limit_s: float
 ) -> Experiment:
-    rows = frame[frame["block"] > 0].sort_values("attempt", kind="stable")
-    keys = ["participant", "block", "haptic", "rotation", "object"]
-    counted = rows[~rows.duplicated(keys, keep="last")]
+    counted, others = _attempts(frame[frame["block"] > 0])
+    repeated = others["reason"].where(others["reason"] != "", others["status"])
     columns = {
         "participant": _in_order(counted["participant"]),
         "Haptic": _in_order(counted["haptic"], HAPTIC),
         "Rotation": _in_order(counted["rotation"], ROTATION),
         "Object": _in_order(counted["object"]),
         "Trial": _in_order(counted["block"]),
-        "status": pd.Categorical(counted["status"], categories=STATUS),
+        "status": pd.Categorical(counted["status"], categories=list(STATUS)),
+        "reason": counted["reason"].to_numpy(),
     }
     trials = with_outcomes(counted.reset_index(drop=True), limit_s).assign(**columns)
     trials = trials.sort_values(["participant", *FACTORS]).reset_index(drop=True)
     trials = trials[[*columns, *(outcome.key for outcome in OUTCOMES)]]
-    experiment = Experiment(following, variant, trials, len(rows) - len(counted), limit_s)
+    counts = {str(reason): int(n) for reason, n in repeated.value_counts().items()}
+    experiment = Experiment(following, variant, trials, counts, limit_s)
     _check(experiment)
     return experiment
 

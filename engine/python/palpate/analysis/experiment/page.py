@@ -233,11 +233,19 @@ def _facts(analysis: ExperimentAnalysis, file: str, limit_s: float) -> list[tupl
         facts += [
             (f"Trials{of}", trials),
             (f"Missing trials{of}", text.missing_text(experiments)),
+            *_row(f"Repeated attempts{of}", text.repeated_text(experiments)),
             (
                 "Operators" if is_simulated else "Participants",
                 str(text.most_participants(experiments)),
             ),
             (names, text.names_of(experiments) if is_simulated or is_several else ""),
         ]
+    pilots = f"{analysis.pilot_rows} rows are left out" if analysis.pilot_rows else ""
+    facts += _row("Pilot run", pilots)
     blocks = len(analysis.experiments[0].levels["Trial"])
     return [*facts, ("Blocks", str(blocks)), ("Time limit", f"{number_or_dash(limit_s)} s")]
+
+
+def _row(name: str, value: str) -> list[tuple[str, str]]:
+    """None without a value."""
+    return [(name, value)] if value else []

@@ -261,8 +261,11 @@ def loss_rates(each: OperatorAnalysis) -> Table | None:
 
 
 def missing(experiment: Experiment) -> Table:
-    """How the trials ended, of all conditions together and by condition."""
+    """How the trials ended, of all conditions together and by condition. Columns of what no trial
+    is are left out, if only people's trials can have them."""
     rows: list[Row] = []
+    is_cut = experiment.total["aborted"] + experiment.total["skipped"] > 0
+    later = ["aborted", "skipped", "reasons"] if is_cut else []
     for levels, counts in zip(experiment.counts.index, experiment.counts.to_dict("records")):
         share = "-"
         if not np.isnan(counts["share"]):
@@ -270,9 +273,9 @@ def missing(experiment: Experiment) -> Table:
             share = "{} % [{}, {}]".format(*ends)
         name = "all trials" if levels[0] == "all" else ", ".join(levels)
         ended = [counts[status] for status in ("done", "timeouts", "faults", "absent")]
-        rows.append([name, *ended[:2], share, *ended[2:]])
+        rows.append([name, *ended[:2], share, *ended[2:], *(counts[name] for name in later)])
     share_head = "share of timeouts, 95 % interval"
-    heads = ["condition", "completed", "timeouts", share_head, "faults", "absent"]
+    heads = ["condition", "completed", "timeouts", share_head, "faults", "absent", *later]
     return Table(heads, rows)
 
 

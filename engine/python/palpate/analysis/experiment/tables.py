@@ -26,8 +26,8 @@ COLUMNS = {
         p_holm least_significant_difference participants d_z d_z_low_95 d_z_high_95""",
     "means": """following of outcome unit haptic rotation object n mean sd half_width_95 paper_mean
         paper_sd""",
-    "missing_trials": """following haptic rotation object done timeouts faults absent timeout_share
-        timeout_share_low timeout_share_high""",
+    "missing_trials": """following haptic rotation object done timeouts faults absent aborted
+        skipped reasons timeout_share timeout_share_low timeout_share_high""",
     "findings": """following finding paper_statement paper_figures verdict because
         verdict_by_the_papers_test differs_between_followings""",
     "verdicts": """following finding comparison unit difference low_95 high_95 margin p p_holm
@@ -40,7 +40,8 @@ DIFFERENCES = """following view align start_orientation_deg scale other_followin
     other_align other_start_orientation_deg other_scale outcome unit haptic rotation difference
     half_width_95 t df p participants"""
 TABLES = (*COLUMNS, "differences")
-COUNTS = ["trials", "participants", "n", "done", "timeouts", "faults", "absent"]
+COUNTS = ["trials", "participants", "n", "done", "timeouts", "faults", "absent",
+          "aborted", "skipped"]  # fmt: skip
 SHARES = {"share": "timeout_share", "low": "timeout_share_low", "high": "timeout_share_high"}
 MEAN_LEVELS = (["Haptic"], ["Rotation"], ["Object"], ["Haptic", "Rotation"])
 
@@ -328,7 +329,13 @@ def document(
     """The JSON document: the file, the time limit and the operators, then the tables. file: as the
     user named it."""
     operators = [_operator(each) for each in analysis.operators]
-    head = {"palpate_analysis": 1, "file": file, "limit_s": limit_s, "operators": operators}
+    head = {
+        "palpate_analysis": 1,
+        "file": file,
+        "limit_s": limit_s,
+        "pilot_rows": analysis.pilot_rows,
+        "operators": operators,
+    }
     return {**head, **{name: rows_of(table) for name, table in tables.items()}}
 
 
@@ -342,6 +349,7 @@ def _operator(each: OperatorAnalysis) -> dict[str, Any]:
         "levels": experiment.levels,
         "trials_done": experiment.total["done"],
         "trials_missing": experiment.missing,
+        "repeated": experiment.repeated,
         "error_df_of_the_papers_analysis": paper.error_df if paper else None,
         "problem_of_the_papers_analysis": each.paper_problem,
     }

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 
 from .analysis import ExperimentAnalysis, OperatorAnalysis
-from .experiments import Experiment
+from .experiments import STATUS, Experiment, counts_text
 from .paper import FINDINGS, Finding, reason_by_construction
 from .verdicts import AGREES, DISAGREES, NOT_TESTABLE, UNDECIDED, VERDICTS
 
@@ -83,25 +84,37 @@ def kinds(analysis: ExperimentAnalysis) -> list[tuple[str, list[Experiment]]]:
 
 
 def _counts(experiments: list[Experiment]) -> Mapping[str, int]:
-    """done, timeouts, faults and absent."""
-    names = ["done", "timeouts", "faults", "absent"]
+    """By the names of STATUS, and absent."""
+    names = (*STATUS.values(), "absent")
     return {name: sum(e.total[name] for e in experiments) for name in names}
 
 
 def trials_text(experiments: list[Experiment]) -> str:
     """How many trials took place."""
-    return str(sum(_counts(experiments).values()) - _counts(experiments)["absent"])
+    counts = _counts(experiments)
+    return str(sum(counts.values()) - counts["absent"] - counts["skipped"])
 
 
 def missing_text(experiments: list[Experiment]) -> str:
-    """ "57 (40 timeouts, 0 faults, 17 absent)"; "none"."""
+    """ "57 (40 timeouts, 0 faults, 17 absent)"; with what people's trials can be: "3 (1 timeout, 0
+    faults, 0 absent, 2 skipped)"; "none"."""
     counts = _counts(experiments)
-    missing = counts["timeouts"] + counts["faults"] + counts["absent"]
+    missing = sum(counts.values()) - counts["done"]
     if missing == 0:
         return "none"
     timeouts = counted(counts["timeouts"], "timeout", "timeouts")
     faults = counted(counts["faults"], "fault", "faults")
-    return f"{missing} ({timeouts}, {faults}, {counts['absent']} absent)"
+    absent = f"{counts['absent']} absent"
+    cut = [f"{counts[name]} {name}" for name in ("aborted", "skipped") if counts[name]]
+    return f"{missing} ({', '.join([timeouts, faults, absent, *cut])})"
+
+
+def repeated_text(experiments: list[Experiment]) -> str:
+    """How many attempts do not count, by reason: "5 (focus 3, hidden 2)"; empty without any."""
+    counts: Counter[str] = Counter()
+    for experiment in experiments:
+        counts.update(experiment.repeated)
+    return f"{counts.total()} ({counts_text(counts)})" if counts else ""
 
 
 def most_participants(experiments: list[Experiment]) -> int:
@@ -115,7 +128,12 @@ def terminal_text(analysis: ExperimentAnalysis) -> str:
     for kind, of_kind in kinds(analysis):
         line = f"{trials_text(of_kind)} trials of {most_participants(of_kind)} {kind}"
         line += f" ({names_of(of_kind)})" if of_kind[0].is_simulated else ""
-        lines.append(f"{line}; missing: {missing_text(of_kind)}")
+        line += f"; missing: {missing_text(of_kind)}"
+        repeated = repeated_text(of_kind)
+        lines.append(line + (f"; repeated: {repeated}" if repeated else ""))
+    if analysis.pilot_rows:
+        rows = counted(analysis.pilot_rows, "row of a pilot run", "rows of a pilot run")
+        lines.append(f"{rows}: left out")
     lines.append(
         f"the paper's {len(FINDINGS)} findings, {leading.experiment.name}: "
         f"{verdict_counts_text(leading)}"

@@ -12,7 +12,12 @@ import pandas as pd
 from scipy.sparse.csgraph import connected_components
 
 from palpate.analysis.errors import InputError, printable
-from palpate.analysis.experiment.experiments import Experiment, Variant, experiments_of
+from palpate.analysis.experiment.experiments import (
+    Experiment,
+    Variant,
+    experiments_of,
+    without_pilots,
+)
 from palpate.analysis.experiment.outcomes import Outcome
 from palpate.analysis.numbers import number_or_dash
 from palpate.analysis.statistics import SIGNIFICANCE, f_tail
@@ -134,6 +139,8 @@ def experiment_of(frame: pd.DataFrame, following: str, design: Design) -> Experi
                          f"{printable(row['participant'])}; expected trials with haptic and "
                          "rotation", "use the trials of `experiment run` or of people")
     frame = _of_following(frame, following)
+    if len(others := without_pilots(frame)):  # a pilot run alone counts
+        frame = others
     frame = frame[frame["block"] > 0]
     if frame.empty:
         raise InputError("", "participant", "has 0 levels beside practice; expected two "
