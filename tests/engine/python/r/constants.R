@@ -1,29 +1,15 @@
 # What R computes for the tables in this folder and two public data sets: Rscript constants.R > constants.json
 # R 4.2.2 with nlme 3.1-162. Not run by any test: agreement_with_r_test.py reads the result.
 
+here <- dirname(sub("--file=", "", grep("--file=", commandArgs(FALSE), value = TRUE)))
+source(file.path(here, "json.R"))
 library(nlme)
 options(contrasts = c("contr.sum", "contr.poly"), digits = 17)
-
-# --- JSON, which base R does not write
-
-json <- function(x) {
-  if (is.list(x)) {
-    parts <- vapply(x, json, "")
-    if (is.null(names(x))) return(paste0("[", paste(parts, collapse = ", "), "]"))
-    return(paste0("{", paste0('"', names(x), '": ', parts, collapse = ", "), "}"))
-  }
-  if (length(x) != 1 || !is.null(names(x))) return(json(as.list(x)))
-  if (is.character(x)) return(paste0('"', x, '"'))
-  if (is.logical(x) && !is.na(x)) return(tolower(as.character(x)))
-  if (is.na(x)) return("null")
-  sprintf("%.17g", x)
-}
 
 in_order <- function(x) factor(x, levels = unique(x))
 
 # --- Data
 
-here <- dirname(sub("--file=", "", grep("--file=", commandArgs(FALSE), value = TRUE)))
 public <- function(name) read.csv(file.path(here, "..", "data", name))
 trials <- function(name) {
   table <- read.csv(file.path(here, name))

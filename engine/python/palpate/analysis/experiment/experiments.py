@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -165,9 +166,12 @@ class Experiment:
         cut = self.trials[self.trials["reason"] != ""]
         if levels[0] != "all":
             cut = cut[(cut[CONDITION].astype(str) == levels).all(axis=1)]
-        by_status = cut.groupby("status", observed=True)["reason"]
-        return "; ".join(f"{status}: {counts_text(reasons.value_counts().to_dict())}"
-                         for status, reasons in by_status)
+        by_status = {status: cut.loc[cut["status"] == status, "reason"] for status in STATUS}
+        return "; ".join(
+            f"{status}: {counts_text(Counter(reasons))}"
+            for status, reasons in by_status.items()
+            if len(reasons)
+        )
 
     @property
     def total(self) -> dict[str, int]:
@@ -199,9 +203,12 @@ def without_pilots(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def counts_text(counts: Mapping[str, int]) -> str:
-    """ "focus 2, hidden 1": the largest first."""
-    order = sorted(counts.items(), key=lambda count: (-count[1], count[0]))
-    return ", ".join(f"{name} {n}" for name, n in order)
+    """ "focus 2, hidden 1"."""
+    return ", ".join(f"{name} {n}" for name, n in _largest_first(counts).items())
+
+
+def _largest_first(counts: Mapping[str, int]) -> dict[str, int]:
+    return dict(sorted(counts.items(), key=lambda count: (-count[1], count[0])))
 
 
 def whose(following: str, variant: Variant) -> str:
@@ -275,7 +282,7 @@ def _experiment(
     trials = with_outcomes(counted.reset_index(drop=True), limit_s).assign(**columns)
     trials = trials.sort_values(["participant", *FACTORS]).reset_index(drop=True)
     trials = trials[[*columns, *(outcome.key for outcome in OUTCOMES)]]
-    counts = {str(reason): int(n) for reason, n in repeated.value_counts().items()}
+    counts = _largest_first(Counter(repeated))
     experiment = Experiment(following, variant, trials, counts, limit_s)
     _check(experiment)
     return experiment
