@@ -285,10 +285,10 @@ struct ExperimentAnalyseRequest {
   std::string out_dir = "analysis";
 };
 
-constexpr std::array kAnalysisNames = {"report.html",     "analysis.json",  "effects.csv",
-                                       "comparisons.csv", "means.csv",      "missing_trials.csv",
-                                       "findings.csv",    "verdicts.csv",   "variances.csv",
-                                       "loss_rates.csv",  "differences.csv"};
+constexpr std::array kAnalysisNames = {
+    "report.html",        "analysis.json", "effects.csv",     "comparisons.csv", "means.csv",
+    "missing_trials.csv", "findings.csv",  "verdicts.csv",    "variances.csv",   "loss_rates.csv",
+    "differences.csv",    "ratings.csv",   "rating_tests.csv"};
 
 // An error if there is no such file, or if it has other results than trials. The file becomes an
 // input, which no output replaces.
@@ -315,7 +315,7 @@ int analyse(const ExperimentAnalyseRequest& request) {
   if (!files) return refuse(files.error());
   PageOutcome outcome = make_page(
       {"experiment", "--trials=" + request.file, "--limit=" + as_printed(request.limit_s)}, *files);
-  outcome.text += "report.html, analysis.json and 9 tables are in " + request.out_dir + "/\n";
+  outcome.text += "report.html, analysis.json and 11 tables are in " + request.out_dir + "/\n";
   return finish_page(outcome, *files);
 }
 
@@ -330,9 +330,11 @@ void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
       "report.html states what agrees with the paper and what does not, with figures and all "
       "statistics.\nanalysis.json has the same numbers for other programs, and effects.csv, "
       "comparisons.csv, means.csv,\nmissing_trials.csv, findings.csv, verdicts.csv, "
-      "variances.csv,\nloss_rates.csv and differences.csv have them as tables. Trials with several "
-      "levels of view, align,\nstart orientation or scale are analysed separately, and compared in "
-      "differences.csv.\n\n"
+      "variances.csv,\nloss_rates.csv, differences.csv, ratings.csv and rating_tests.csv have them "
+      "as tables. Trials with several\nlevels of view, align, start orientation or scale are "
+      "analysed separately, and compared in\ndifferences.csv. Questionnaires are analysed, too, if "
+      "the file questionnaires.csv lies beside TRIALS; its\ncolumns are participant, haptic, "
+      "rotation, item and value.\n\n"
       "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
       "(NoR, R),\nobject, status (done, timeout, fault, aborted, skipped), total_time_s, "
       "losses_of_contact and\nmean_penetration_m or mean_penetration_dm; mean_contact_angle_deg is "

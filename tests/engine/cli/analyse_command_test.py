@@ -16,8 +16,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 from sample_trials import SampleTrials, sample_trials, trials_csv
 
 FILES = ["analysis.json", "comparisons.csv", "differences.csv", "effects.csv", "findings.csv",
-         "loss_rates.csv", "means.csv", "missing_trials.csv", "report.html", "variances.csv",
-         "verdicts.csv"]
+         "loss_rates.csv", "means.csv", "missing_trials.csv", "rating_tests.csv", "ratings.csv",
+         "report.html", "variances.csv", "verdicts.csv"]
 
 
 def check(condition, message):
@@ -63,7 +63,7 @@ def check_report(folder):
     found = contents(folder.path / "analysis")
     check(sorted(found) == FILES, f"files: {sorted(found)}")
     check(done.stdout.startswith("144 trials of 3 people; missing: none\n"), done.stdout)
-    check(done.stdout.endswith("\nreport.html, analysis.json and 9 tables are in analysis/\n"),
+    check(done.stdout.endswith("\nreport.html, analysis.json and 11 tables are in analysis/\n"),
           done.stdout)
     document = json.loads(found["analysis.json"])
     check(document["file"] == "trials.csv" and document["limit_s"] == 120, f"{document['file']}")

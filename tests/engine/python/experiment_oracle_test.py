@@ -23,7 +23,7 @@ from palpate.analysis.experiment import command, page
 from palpate.analysis.experiment.tables import TABLES
 
 WIDER = ("comparisons", "missing_trials")  # tables with new columns before the last ones
-LATER = ("verdicts", "variances", "loss_rates")  # tables
+LATER = ("verdicts", "variances", "loss_rates", "ratings", "rating_tests")  # tables
 LATER_KEYS = (*LATER, "pilot_rows")
 # Effect sizes; trials that only people have.
 LATER_COLUMNS = {"comparisons": ("d_z", "d_z_low_95", "d_z_high_95"),

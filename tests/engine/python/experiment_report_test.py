@@ -28,7 +28,7 @@ from sample_trials import SampleTrials, SeededRandom, sample_trials
 
 FILES = {"report.html", "analysis.json", "effects.csv", "comparisons.csv", "means.csv",
          "missing_trials.csv", "findings.csv", "verdicts.csv", "variances.csv", "loss_rates.csv",
-         "differences.csv"}  # fmt: skip
+         "differences.csv", "ratings.csv", "rating_tests.csv"}  # fmt: skip
 SIMULATED = SampleTrials(followings=ALL_FOLLOWINGS, has_timeouts=True)
 DIGITS = 1e-9  # of numbers in files
 

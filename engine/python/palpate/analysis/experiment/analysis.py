@@ -18,6 +18,7 @@ from .findings import FindingResult, judge
 from .loss_rates import LossRates, loss_rates
 from .outcomes import ANGLE, OUTCOMES, PAPER_OUTCOMES, TIME_TO_LIMIT, Outcome
 from .primary import Primary, analyse_repeated_measures
+from .questionnaires import Questionnaires
 from .variances import Variances, parts_of_variance
 from .verdicts import AGREES, DISAGREES
 
@@ -53,11 +54,13 @@ class OperatorAnalysis:
 @dataclass
 class ExperimentAnalysis:
     """operators: at least one, in the order of experiments_of(). differences: none with one
-    variant. pilot_rows: how many rows were left out because they are of a pilot run."""
+    variant. pilot_rows: how many rows were left out because they are of a pilot run.
+    questionnaires: None if there are none beside the trials."""
 
     operators: list[OperatorAnalysis]
     differences: list[Difference]
     pilot_rows: int = 0
+    questionnaires: Questionnaires | None = None
 
     @property
     def experiments(self) -> list[Experiment]:

@@ -9,7 +9,7 @@ from palpate.analysis.numbers import csv_text, json_text
 from palpate.analysis.report import Report
 from palpate.analysis.trials import read_trials
 
-from . import page, tables, text
+from . import page, questionnaires, tables, text
 from .analysis import analyse_trials, check_rows
 
 
@@ -21,7 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> Report:
     """Writes report.html, analysis.json and a CSV file for each table.
 
-    Raises InputError as read_trials(), check_rows() and analyse_trials() do.
+    Raises InputError as read_trials(), check_rows(), analyse_trials() and, if there are
+    questionnaires beside the trials, read_questionnaires() do.
     """
     frame = read_trials(arguments.trials)
     try:
@@ -30,6 +31,7 @@ def run(arguments: argparse.Namespace) -> Report:
     except InputError as error:
         error.path = error.path or arguments.trials
         raise
+    analysis.questionnaires = questionnaires.beside(arguments.trials)
     html, warnings = page.report_page(analysis, arguments.trials, arguments.limit)
     found = tables.tables_of(analysis)
     document = tables.document(analysis, found, arguments.trials, arguments.limit)

@@ -15,7 +15,7 @@ from palpate.analysis.figures import svg
 from palpate.analysis.numbers import number_or_dash
 from palpate.analysis.statistics import MOST_CELLS
 
-from . import page_tables, plots, text
+from . import page_tables, plots, questionnaire_page, text
 from .analysis import ExperimentAnalysis, OperatorAnalysis
 from .experiments import ROTATION
 from .findings import FindingResult
@@ -42,6 +42,7 @@ def report_page(
         answer=_answer(analysis),
         operators=operators,
         differences=page_tables.differences(analysis) if analysis.variants > 1 else None,
+        questionnaires=questionnaire_page.section(analysis.questionnaires),
         is_simulated=analysis.has_simulated,
         has_adaptations=any(
             e.is_simulated and e.variant.view == "still" for e in analysis.experiments

@@ -1,4 +1,4 @@
-"""All numbers of an analysis, for other programs: six tables, which are CSV files and keys in
+"""All numbers of an analysis, for other programs: tables, which are CSV files and keys in
 JSON."""
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from .experiments import CONDITION, VARIANT, Experiment
 from .outcomes import ANGLE, PAPER_OUTCOMES, Outcome
 from .paper import MANOVA, MEANS, F
 from .primary import Primary
+from .questionnaires import ratings_table, tests_table
 
 COLUMNS = {
     "effects": """following analysis outcome effect wilks_lambda f df1 df2 p gg_epsilon gg_p
@@ -39,7 +40,7 @@ COLUMNS = {
 DIFFERENCES = """following view align start_orientation_deg scale other_following other_view
     other_align other_start_orientation_deg other_scale outcome unit haptic rotation difference
     half_width_95 t df p participants"""
-TABLES = (*COLUMNS, "differences")
+TABLES = (*COLUMNS, "differences", "ratings", "rating_tests")
 COUNTS = ["trials", "participants", "n", "done", "timeouts", "faults", "absent",
           "aborted", "skipped"]  # fmt: skip
 SHARES = {"share": "timeout_share", "low": "timeout_share_low", "high": "timeout_share_high"}
@@ -48,8 +49,8 @@ MEAN_LEVELS = (["Haptic"], ["Rotation"], ["Object"], ["Haptic", "Rotation"])
 
 def tables_of(analysis: ExperimentAnalysis) -> dict[str, pd.DataFrame]:
     """Every F, every comparison, every mean, the missing trials by condition, the verdicts with
-    the comparisons that they need, and the differences between variants, which are none in a
-    file with one variant."""
+    the comparisons that they need, the differences between variants, which are none in a file with
+    one variant, and ratings with their tests, which are none without questionnaires."""
     makers = (
         _effects,
         _comparisons,
@@ -65,6 +66,8 @@ def tables_of(analysis: ExperimentAnalysis) -> dict[str, pd.DataFrame]:
         frames = [_of(each, maker(analysis, each)) for each in analysis.operators]
         tables[name] = _shaped(_stacked(frames), [*columns.split(), *VARIANT])
     tables["differences"] = _shaped(_differences(analysis), DIFFERENCES.split())
+    tables["ratings"] = ratings_table(analysis.questionnaires)
+    tables["rating_tests"] = tests_table(analysis.questionnaires)
     return tables
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from .analysis import ExperimentAnalysis, OperatorAnalysis
 from .experiments import STATUS, Experiment, counts_text
 from .paper import FINDINGS, Finding, reason_by_construction
+from .questionnaire_page import terminal_lines
 from .verdicts import AGREES, DISAGREES, NOT_TESTABLE, UNDECIDED, VERDICTS
 
 MOST_NAMES = 8
@@ -144,6 +145,7 @@ def terminal_text(analysis: ExperimentAnalysis) -> str:
     for verdict in VERDICTS:
         for name, statement in findings_with(leading, verdict):
             lines.append(f"  {verdict:<14}{name}: {statement}")
+    lines += terminal_lines(analysis.questionnaires)
     flips = len(analysis.differing())
     if flips:
         verdicts = counted(flips, "verdict flips", "verdicts flip")

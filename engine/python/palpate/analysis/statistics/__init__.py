@@ -24,14 +24,15 @@ from .intervals import (
     wilson,
 )
 from .nested import MOST_CELLS, Parts, parts_of_variance
+from .ranks import Friedman, SignedRank, friedman, signed_rank
 from .repeated import RepeatedEffect, RepeatedMeasures, repeated_measures, repeated_measures_of
 from .terms import Term, all_terms, effect_name
 
 __all__ = [
     "COVERAGE", "MOST_CELLS", "SIGNIFICANCE", "Design", "DesignError", "Fit", "FixedEffect",
-    "MeanInterval", "PairedT", "Parts", "RepeatedEffect", "RepeatedMeasures", "Term", "Wilks",
-    "all_terms", "clopper_pearson", "cousineau_morey", "effect_name", "f_for_tail", "f_tail",
-    "fisher_plsd", "holm", "mean_interval", "paired_t", "parts_of_variance", "rao",
-    "repeated_measures", "repeated_measures_of", "standardized", "t_for_coverage", "t_tail",
-    "t_two_sided", "wilson", "z_for_coverage",
+    "Friedman", "MeanInterval", "PairedT", "Parts", "RepeatedEffect", "RepeatedMeasures",
+    "SignedRank", "Term", "Wilks", "all_terms", "clopper_pearson", "cousineau_morey", "effect_name",
+    "f_for_tail", "f_tail", "fisher_plsd", "friedman", "holm", "mean_interval", "paired_t",
+    "parts_of_variance", "rao", "repeated_measures", "repeated_measures_of", "signed_rank",
+    "standardized", "t_for_coverage", "t_tail", "t_two_sided", "wilson", "z_for_coverage",
 ]  # fmt: skip
