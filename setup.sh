@@ -22,7 +22,7 @@ palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens
 
 palpate_site_packages=(python3-sphinx python3-myst-parser furo)  # for docs/build.sh and its tests
 
-palpate_format_packages=(python3-zstandard python3-yaml)  # for FORMAT.md, CITATION.cff
+palpate_format_packages=(python3-zstandard python3-yaml python3-jsonschema)  # for FORMAT.md, CITATION.cff, exports
 
 say() { printf 'palpate: %s\n' "$*" >&2; }
 

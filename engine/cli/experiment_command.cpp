@@ -15,6 +15,7 @@
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_line.h"
 #include "engine/cli/command_output.h"
+#include "engine/cli/experiment_export.h"
 #include "engine/cli/experiment_power.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/placed_results.h"
@@ -369,6 +370,7 @@ class ExperimentCommand final : public Command {
     add_merge(*app_, merge_);
     add_analyse(*app_, analyse_);
     add_power(*app_, power_);
+    add_export(*app_, export_);
     return app_;
   }
 
@@ -378,6 +380,7 @@ class ExperimentCommand final : public Command {
     if (app_->got_subcommand("analyse")) return analyse(analyse_);
     if (app_->got_subcommand("plan")) return write_plan(plan_);
     if (app_->got_subcommand("power")) return run_power(power_);
+    if (app_->got_subcommand("export")) return run_export(export_);
     return merge(merge_);
   }
 
@@ -389,6 +392,7 @@ class ExperimentCommand final : public Command {
   ExperimentPlanRequest plan_;
   ExperimentMergeRequest merge_;
   ExperimentPowerRequest power_;
+  ExperimentExportRequest export_;
 };
 
 }  // namespace

@@ -420,18 +420,18 @@ CsvTable<Row> make_written_table(TrialColumns kind) {
   return table_of({trials, columns_of_measures(), columns_of_faults(), columns_of_variants()});
 }
 
-const CsvTable<Row>& written_table(TrialColumns kind) {
-  static const std::array<CsvTable<Row>, 3> tables = {make_written_table(TrialColumns::kFactors),
-                                                      make_written_table(TrialColumns::kStrategies),
-                                                      make_written_table(TrialColumns::kLive)};
-  return tables[static_cast<std::size_t>(kind)];
-}
-
 }  // namespace
 
 const CsvTable<TrialRow>& trials_table() {
   static const CsvTable<TrialRow> table = make_table();
   return table;
+}
+
+const CsvTable<TrialRow>& written_trials_table(TrialColumns columns) {
+  static const std::array<CsvTable<Row>, 3> tables = {make_written_table(TrialColumns::kFactors),
+                                                      make_written_table(TrialColumns::kStrategies),
+                                                      make_written_table(TrialColumns::kLive)};
+  return tables[static_cast<std::size_t>(columns)];
 }
 
 const std::array<std::string_view, kMeasureCount>& measure_names() {
@@ -448,9 +448,9 @@ const std::array<std::string_view, kMeasureCount>& measure_names() {
 
 const std::string& trials_columns(TrialColumns columns) {
   static const std::array<std::string, 3> names = {
-      names_in(written_table(TrialColumns::kFactors)),
-      names_in(written_table(TrialColumns::kStrategies)),
-      names_in(written_table(TrialColumns::kLive))};
+      names_in(written_trials_table(TrialColumns::kFactors)),
+      names_in(written_trials_table(TrialColumns::kStrategies)),
+      names_in(written_trials_table(TrialColumns::kLive))};
   return names[static_cast<std::size_t>(columns)];
 }
 
@@ -458,11 +458,11 @@ void add_row(CsvLines& lines, const TrialRow& row) {
   const TrialColumns kind = row.live               ? TrialColumns::kLive
                             : row.strategy.empty() ? TrialColumns::kFactors
                                                    : TrialColumns::kStrategies;
-  write_row(written_table(kind), row, lines);
+  write_row(written_trials_table(kind), row, lines);
 }
 
 std::string columns_csv(TrialColumns columns) {
-  return columns_text(written_table(columns));
+  return columns_text(written_trials_table(columns));
 }
 
 std::string all_columns_csv() {

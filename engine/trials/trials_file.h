@@ -28,6 +28,9 @@ enum class TrialColumns : std::uint8_t { kFactors, kStrategies, kLive };
 // its member of TrialRow.
 const CsvTable<TrialRow>& trials_table();
 
+// The columns of such a file, for writing.
+const CsvTable<TrialRow>& written_trials_table(TrialColumns columns);
+
 // The columns of the measures, by MeasureIndex.
 const std::array<std::string_view, kMeasureCount>& measure_names();
 

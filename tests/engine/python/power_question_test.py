@@ -399,6 +399,18 @@ def test_a_pilot_may_have_missing_trials_and_several_followings(tmp_path):
            "delayed or people)" in refusal(path)
 
 
+def test_rows_of_a_pilot_run_count_only_if_there_are_no_others(tmp_path):
+    alone = study(MadePilot().write(tmp_path / "plain.csv")).pilot
+    head, *lines = (tmp_path / "plain.csv").read_text().splitlines()
+    for name, mark in (("run.csv", 1), ("both.csv", 0)):
+        text = "".join(f"{line},{mark}\n" for line in lines)
+        if mark == 0:
+            text += "".join(f"{line.rpartition(',')[0]},500,1\n" for line in lines)
+        (tmp_path / name).write_text(f"{head},pilot\n{text}")
+        found = study(f"--pilot={tmp_path / name}").pilot
+        assert (found.trials, found.raw) == (alone.trials, alone.raw)
+
+
 @pytest.mark.parametrize("option", ["--error", "--share-u", "--share-w"])
 def test_a_pilot_excludes_assumptions(tmp_path, option):
     path = MadePilot().write(tmp_path / "pilot.csv")

@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+"""`experiment export`: a folder of Psych-DS from made trials of people, and its refusals.
+
+export_command_test.py PALPATE
+
+Skipped (exit code 77) without the Python module jsonschema.
+"""
+
+import csv
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+
+try:
+    import jsonschema
+except ImportError:
+    print("the Python module jsonschema is missing: apt-get install python3-jsonschema")
+    sys.exit(77)
+
+HERE = pathlib.Path(__file__).resolve().parent
+MADE = HERE.parent / "python" / "r"  # 12 made people
+SCHEMA = json.loads((HERE / "psych_ds_1.5.0.schema.json").read_text())
+PLAN = '{"palpate_plan": 1, "name": "paper-live",\n "seed": 7}\n'
+TEXTS = '{"information": "Read <this>."}\n'
+IDENTITY = ("participant", "block", "haptic", "rotation", "object", "attempt", "pilot")
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(message)
+
+
+def rows_of(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def files_in(folder):
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+class Experiment:
+    """A folder as `experiment live` leaves it."""
+
+    def __init__(self, palpate, folder):
+        self.palpate, self.work = palpate, folder
+        self.path = folder / "live"
+        self.path.mkdir()
+        shutil.copy(MADE / "people.csv", self.path / "trials.csv")
+        shutil.copy(MADE / "questionnaires.csv", self.path)
+        (self.path / "plan.json").write_text(PLAN)
+        (self.path / "texts.json").write_text(TEXTS)
+        for name in ("01", "12", "99"):  # nobody has rows of the last one
+            of = self.path / "participants" / name
+            (of / "recordings").mkdir(parents=True)
+            (of / "journal").write_text(f"journal of {name}\n")
+            (of / "recordings" / "1-1.palrec").write_bytes(b"SQLite\0" + name.encode())
+            (of / "recordings" / "1-1.part").write_bytes(b"")
+        (self.path / "participants" / "12" / "about.json").write_text(
+            '{"hand": "right", "age": "30, or \\"31\\""}')
+
+    def export(self, *arguments):
+        return subprocess.run([self.palpate, "experiment", "export", *arguments], cwd=self.work,
+                              capture_output=True, text=True, encoding="utf-8", timeout=120)
+
+    def exported(self, name, *arguments):
+        done = self.export("live", "--out", name, *arguments)
+        check(done.returncode == 0, f"{arguments}: {done.stderr}")
+        check(done.stdout.startswith("343 rows of 12 participants\n"), done.stdout)
+        return self.work / name
+
+    def expect_refused(self, arguments, message):
+        before = files_in(self.work)
+        done = self.export(*arguments)
+        check(done.returncode == 2, f"{arguments}: exit code {done.returncode}: {done.stderr}")
+        check(done.stdout == "" and done.stderr.count("\n") == 1, f"{arguments}: {done}")
+        check(message in done.stderr, f"{arguments}: {done.stderr}")
+        check(files_in(self.work) == before, f"{arguments}: files have changed")
+
+
+def check_psych_ds(folder):
+    """The rules of Psych-DS that are errors, and the texts that it recommends."""
+    description = json.loads((folder / "dataset_description.json").read_bytes().decode("utf-8"))
+    files = files_in(folder)
+    jsonschema.validate({"files": files, "dataset_description": description}, SCHEMA)
+    names = [variable["name"] for variable in description["variableMeasured"]]
+    check(len(set(names)) == len(names), "a variable is there twice")
+    used = set()
+    for file in files:
+        if not file.endswith("_data.csv"):
+            continue
+        with open(folder / file, encoding="utf-8", newline="") as lines:
+            header, *rows = csv.reader(lines, strict=True)
+        check(len(set(header)) == len(header) and header and rows, f"{file}: {header}")
+        check({len(row) for row in rows} == {len(header)}, f"{file}: rows of other lengths")
+        check("row_id" not in header, f"{file} has row_id, whose values must be unique")
+        check(set(header) <= set(names), f"{file}: not described: {set(header) - set(names)}")
+        used |= set(header)
+    check(used == set(names), f"described, but in no file: {set(names) - used}")
+    return description
+
+
+def check_schema_can_fail(folder):
+    description = json.loads((folder / "dataset_description.json").read_text())
+    files = files_in(folder)
+    for wrong in ({"files": ["dataset_description.json"]}, {"files": [*files, "data/subject_data.csv"]},
+                  {"dataset_description": {**description, "@type": "Data"}},
+                  {"dataset_description": {**description, "variableMeasured": [{"name": "x"}]}}):
+        document = {"files": files, "dataset_description": description, **wrong}
+        try:
+            jsonschema.validate(document, SCHEMA)
+        except jsonschema.ValidationError:
+            continue
+        sys.exit(f"the schema permits {wrong}")
+
+
+def check_rows(experiment, folder):
+    """Each row is there once, in the file of its participant, and every mean is that of the source."""
+    source = rows_of(experiment.path / "trials.csv")
+    found = []
+    for participant in range(1, 13):
+        rows = rows_of(folder / f"data/subject-{participant:02}_task-contour_data.csv")
+        check({row["participant"] for row in rows} == {str(participant)}, "another participant's row")
+        found += rows
+    key = lambda row: tuple(row[name] for name in IDENTITY)  # noqa: E731
+    by_key = {key(row): row for row in found}
+    check(len(found) == len(by_key) == len(source) == 343, "rows are lost or there twice")
+    for row in source:
+        same = by_key[key(row)]
+        for name, value in row.items():
+            is_same = same[name] == value or float(same[name]) == float(value)
+            check(is_same, f"{key(row)}, {name}: {same[name]}; expected {value}")
+
+    def means(rows):
+        values = defaultdict(list)
+        for row in rows:
+            if row["status"] == "done":
+                values[row["haptic"], row["rotation"]].append(float(row["total_time_s"]))
+        return {cell: sum(sorted(times)) / len(times) for cell, times in values.items()}
+
+    check(means(found) == means(source) and len(means(found)) == 6, "means differ")
+    answers = [row for participant in range(1, 13) for row in
+               rows_of(folder / f"data/subject-{participant:02}_task-questionnaire_data.csv")]
+    order = lambda row: sorted(row.items())  # noqa: E731
+    expected = rows_of(experiment.path / "questionnaires.csv")
+    check(sorted(answers, key=order) == sorted(expected, key=order), "answers differ")
+
+
+def check_description(description):
+    variables = {variable["name"]: variable for variable in description["variableMeasured"]}
+    check(description["name"] == "paper-live", description["name"])
+    time = variables["total_time_s"]
+    check((time["unitText"], time["minValue"]) == ("s", 0) and "maxValue" not in time, f"{time}")
+    levels = [level["name"] for level in variables["status"]["valueReference"]]
+    check(levels == ["done", "timeout", "fault", "aborted", "skipped"], f"{levels}")
+    density = variables["css_px_per_mm"]
+    check(density["unitText"] == "1/mm" and "above 0" in density["description"], f"{density}")
+    check(variables["value"]["maxValue"] == 100, f"{variables['value']}")
+    check("age" not in variables, "age is described without a request")
+
+
+def check_what_is_requested(experiment, plain):
+    """What tells more about people is there on request only."""
+    files = files_in(plain)
+    check(not any("palrec" in file or "journal" in file or "about" in file for file in files), f"{files}")
+    check((plain / "materials/plan.json").read_text() == PLAN, "another plan")
+    check((plain / "materials/texts.json").read_text() == TEXTS, "other texts")
+    everything = experiment.exported("everything", "--with", "recordings,notes,about")
+    check_psych_ds(everything)
+    more = sorted(set(files_in(everything)) - set(files))
+    check(more == [".psychds-ignore", "data/recordings/subject-01/1-1.palrec",
+                   "data/recordings/subject-12/1-1.palrec", "data/task-about_data.csv",
+                   "documentation/journals/subject-01", "documentation/journals/subject-12"], f"{more}")
+    check(rows_of(everything / "data/task-about_data.csv") == [
+        {"participant": "12", "age": '30, or "31"', "gender": "", "hand": "right", "experience": ""}],
+        "other answers")
+    copied = (everything / "data/recordings/subject-12/1-1.palrec").read_bytes()
+    check(copied == b"SQLite\x0012", "another recording")
+
+
+def check_refusals(experiment):
+    path = experiment.path
+    experiment.expect_refused(["live", "--out", "dataset"], "dataset: exists already; expected a new")
+    experiment.expect_refused(["nowhere", "--out", "new"], "nowhere/trials.csv")
+    experiment.expect_refused(["live"], "--out")
+    experiment.expect_refused(["live", "--out", "new", "--with", "names"], "names")
+    about = path / "participants" / "12" / "about.json"
+    text = about.read_text()
+    about.write_text('{"address": "here"}')
+    experiment.expect_refused(["live", "--out", "new", "--with", "about"], "about.json: /address")
+    about.write_text(text)
+    trials = (path / "trials.csv").read_text()
+    (path / "trials.csv").write_text(trials.replace("\n3,", "\nAnn,"))
+    experiment.expect_refused(["live", "--out", "new"], 'column participant: is "Ann"; expected a number')
+    (path / "trials.csv").write_text(trials.replace("done", "ended", 1))
+    experiment.expect_refused(["live", "--out", "new"], "line 2, column status")
+    (path / "trials.csv").write_text(trials)
+    answers = (path / "questionnaires.csv").read_text()
+    (path / "questionnaires.csv").write_text(answers + "1,H,R,real,9\n")
+    experiment.expect_refused(["live", "--out", "new"], "questionnaires.csv: line")
+    (path / "questionnaires.csv").write_text(answers)
+    (path / "plan.json").write_text('{"seed": 7}')
+    experiment.expect_refused(["live", "--out", "new"], "plan.json: /name: is missing")
+    (path / "plan.json").write_text(PLAN)
+
+
+def main():
+    palpate = str(pathlib.Path(sys.argv[1]).resolve())
+    with tempfile.TemporaryDirectory() as folder:
+        experiment = Experiment(palpate, pathlib.Path(folder))
+        plain = experiment.exported("dataset")
+        check_description(check_psych_ds(plain))
+        check_schema_can_fail(plain)
+        check_rows(experiment, plain)
+        check_what_is_requested(experiment, plain)
+        check_refusals(experiment)
+        again = experiment.exported("deeper/again")
+        check({file: (again / file).read_bytes() for file in files_in(again)}
+              == {file: (plain / file).read_bytes() for file in files_in(plain)}, "bytes differ")
+    print("an export is a folder of Psych-DS with every row, and nothing more than was asked for")
+
+
+if __name__ == "__main__":
+    main()
