@@ -15,13 +15,15 @@ import sys
 import tempfile
 from collections import defaultdict
 
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1] / "helpers"))
+from needs import need  # noqa: E402
+
 try:
     import jsonschema
 except ImportError:
-    print("the Python module jsonschema is missing: apt-get install python3-jsonschema")
-    sys.exit(77)
+    need(False, "the Python module jsonschema: apt-get install python3-jsonschema")
 
-HERE = pathlib.Path(__file__).resolve().parent
 MADE = HERE.parent / "python" / "r"  # 12 made people
 SCHEMA = json.loads((HERE / "psych_ds_1.5.0.schema.json").read_text())
 PLAN = '{"palpate_plan": 1, "name": "paper-live",\n "seed": 7}\n'

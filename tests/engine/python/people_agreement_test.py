@@ -88,6 +88,6 @@ def test_the_page_says_what_was_cut_and_repeated(report: Report) -> None:
     page = report.files["report.html"]
     for sentence in ("timeouts: 4, faults: 1, absent: 2, aborted: 1, skipped: 2.",
                      "other attempts: 33 (late_frames 5, pointer_lock 5, hidden 4,",
-                     ">reasons</th>", "12 rows are left out",
+                     ">2 (experimenter 1, participant 1)</td>", "12 rows are left out",
                      "aborted trials were cut and not completed later; skipped trials were left out"):
         assert sentence in page, sentence

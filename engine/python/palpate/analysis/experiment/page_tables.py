@@ -264,8 +264,7 @@ def missing(experiment: Experiment) -> Table:
     """How the trials ended, of all conditions together and by condition. Columns of what no trial
     is are left out, if only people's trials can have them."""
     rows: list[Row] = []
-    is_cut = experiment.total["aborted"] + experiment.total["skipped"] > 0
-    later = ["aborted", "skipped", "reasons"] if is_cut else []
+    later = [name for name in ("aborted", "skipped") if experiment.total[name]]
     for levels, counts in zip(experiment.counts.index, experiment.counts.to_dict("records")):
         share = "-"
         if not np.isnan(counts["share"]):
@@ -273,10 +272,16 @@ def missing(experiment: Experiment) -> Table:
             share = "{} % [{}, {}]".format(*ends)
         name = "all trials" if levels[0] == "all" else ", ".join(levels)
         ended = [counts[status] for status in ("done", "timeouts", "faults", "absent")]
-        rows.append([name, *ended[:2], share, *ended[2:], *(counts[name] for name in later)])
+        rows.append([name, *ended[:2], share, *ended[2:], *(_cut(counts, name) for name in later)])
     share_head = "share of timeouts, 95 % interval"
     heads = ["condition", "completed", "timeouts", share_head, "faults", "absent", *later]
     return Table(heads, rows)
+
+
+def _cut(counts: Any, status: str) -> Cell:
+    """ "2 (focus 1, hidden 1)"."""
+    reasons = dict(part.split(": ") for part in counts["reasons"].split("; ") if part)
+    return f"{counts[status]} ({reasons[status]})" if status in reasons else int(counts[status])
 
 
 def angle_means(experiment: Experiment, angle: Primary) -> Table:
