@@ -33,6 +33,7 @@
 #include "engine/cli/strategy_option.h"
 #include "engine/cli/tick_times_report.h"
 #include "engine/drivers/drivers.h"
+#include "engine/trials/trial.h"
 #include "engine/viewer/http_rules.h"
 #include "engine/viewer/page_files.h"
 #include "engine/viewer/view_server.h"
@@ -46,8 +47,17 @@ constexpr auto kLookEvery = std::chrono::milliseconds(20);
 constexpr const char* kPageGroup = "Page";
 constexpr std::uint64_t kMostPort = 65535;
 
+// A length on the screen over that of the device: far apart from what any screen or eye resolves.
+constexpr NumberRange kDisplayScales{0.01, 100.0};
+constexpr NumberRange kDisplayRates_Hz{1.0, 240.0};
+
+enum class PageDisplay : std::uint8_t { kFull, kPaper };
+
 struct ViewRequest {
   RunRequest run;
+  PageDisplay display = PageDisplay::kFull;
+  double display_rate_Hz = PaperDisplay{}.rate_Hz;
+  double display_scale = PaperDisplay{}.scale;
   ServerSettings server;
   std::vector<std::string> origins;  // as given; server.allowed.origins once they are checked
   bool opens_browser = false;
@@ -177,6 +187,37 @@ ViewSettings view_settings_of(const ViewRequest& request, const IsGiven& is_give
   return settings;
 }
 
+std::optional<Error> check_display(const ViewRequest& request, const IsGiven& is_given) {
+  if (request.display == PageDisplay::kPaper) return std::nullopt;
+  for (const char* const option : {"--display-rate", "--display-scale"}) {
+    if (!is_given(option)) continue;
+    return invalid_argument(option, "is given without --display paper",
+                            "add --display paper, or leave it out");
+  }
+  return std::nullopt;
+}
+
+// The paper's display is seen from above, so that it cannot show the depth of a third sensor.
+std::optional<Error> check_display_sensors(const ViewRequest& request, const RunSetup& setup) {
+  if (request.display != PageDisplay::kPaper || setup.actuation.is_planar()) return std::nullopt;
+  return invalid_argument("--display", "is paper with 3 sensors; expected 2",
+                          "use --sensors 2, or --display full");
+}
+
+// Without a way, such as in a scene without a wall that is long enough, there are no spheres; the
+// warning says why.
+PaperDisplay paper_display_of(const ViewRequest& request, const PreparedRun& prepared) {
+  PaperDisplay paper{request.display_rate_Hz, request.display_scale};
+  const TrialSettings trial;
+  const auto way = find_trial_way(prepared.scene, prepared.setup, trial);
+  if (way) {
+    paper.spheres = DisplayedSpheres{way->green_m, way->red_m, trial.sphere_radius_m};
+  } else {
+    warn("--display: no start and end spheres are shown: " + way.error().to_string());
+  }
+  return paper;
+}
+
 // device: null for the simulated hand.
 int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) {
   const auto page = embedded_page();
@@ -185,6 +226,7 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
   auto prepared = prepare_run(request.run);
   if (!prepared) return refuse(with_path(prepared.error(), request.run.scene.path));
   prepared->setup.haptics.a4.enabled = request.run.a4 == A4Runs::kOn;
+  if (const auto error = check_display_sensors(request, prepared->setup)) return refuse(*error);
   if (device != nullptr) {
     const auto error = check_motors(request.run.options.settings.strategy, prepared->setup.device);
     if (error) return refuse(*error);
@@ -210,6 +252,9 @@ int view(ViewRequest request, GuardableDevice* device, const IsGiven& is_given) 
   if (!recorder) return refuse(recorder.error());
   ViewSettings settings = view_settings_of(request, is_given);
   settings.judge = judge.get();
+  if (request.display == PageDisplay::kPaper) {
+    settings.paper = paper_display_of(request, *prepared);
+  }
   if (Recorder* const r = recorder->get()) {
     settings.recording = {r, [r] { return r->failure(); },
                           [r, &scene = prepared->scene](const StartInside::Status& status) {
@@ -308,6 +353,18 @@ void ViewCommand::add_page(CLI::App& app) {
       ->allow_extra_args(false)  // the scene may follow
       ->take_all()
       ->group(kPageGroup);
+  add_choice<PageDisplay>(app, "--display", request_.display,
+                          {{"full", PageDisplay::kFull}, {"paper", PageDisplay::kPaper}}, "full",
+                          "what the page shows: full, or the display of the paper's experiment, "
+                          "seen from above, without forces, axes and charts (2 sensors)")
+      ->group(kPageGroup);
+  add_real(app, "--display-rate", request_.display_rate_Hz, kDisplayRates_Hz,
+           "mean pictures per second of --display paper, Hz")
+      ->group(kPageGroup);
+  add_real(app, "--display-scale", request_.display_scale, kDisplayScales,
+           "length on the screen for each length of the device, with --display paper; the screen "
+           "is taken to have 96 CSS pixels an inch")
+      ->group(kPageGroup);
   app.add_flag("--open", request_.opens_browser, "open the page in a browser (xdg-open)")
       ->group(kPageGroup);
   app.add_flag("--licences", request_.prints_licences,
@@ -330,6 +387,7 @@ int ViewCommand::run(const std::vector<std::string>& /*arguments*/) {
   };
   if (const auto error = check_strategy_options(is_given)) return refuse(*error);
   if (const auto error = check_device_options(request_.run, is_given)) return refuse(*error);
+  if (const auto error = check_display(request_, is_given)) return refuse(*error);
   if (const auto error = check_hosts(request_.server.allowed.hosts)) return refuse(*error);
   if (const auto error = take_origins(request_)) return refuse(*error);
   take_strategy(request_.run);

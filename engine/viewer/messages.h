@@ -32,7 +32,7 @@
 
 namespace palpate {
 
-inline constexpr int kViewVersion = 3;
+inline constexpr int kViewVersion = 4;
 
 enum ViewFlag : std::uint32_t {
   kHandHasTarget = 1u << 0,

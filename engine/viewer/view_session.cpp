@@ -28,6 +28,20 @@ Json vector_json(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+Json display_json(const std::optional<PaperDisplay>& paper) {
+  if (!paper) return {{"name", "full"}};
+  Json spheres;
+  if (paper->spheres) {
+    spheres = {{"green_m", vector_json(paper->spheres->green_m)},
+               {"red_m", vector_json(paper->spheres->red_m)},
+               {"radius_m", paper->spheres->radius_m}};
+  }
+  return {{"name", "paper"},
+          {"Hz", paper->rate_Hz},
+          {"scale", paper->scale},
+          {"spheres", std::move(spheres)}};
+}
+
 Json number_or_null(const std::optional<double>& number) {
   return number ? Json(*number) : Json();
 }
@@ -217,6 +231,7 @@ std::string ViewSession::hello() {
   json["proxy_radius_m"] = setup_.haptics.god_object.radius_m;
   json["settings"] = page_settings_.list();
   json["start_device_m"] = vector_json(hand_->start_m);
+  json["display"] = display_json(settings_.paper);
   return line_of(json);
 }
 

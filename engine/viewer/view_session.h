@@ -21,6 +21,7 @@
 #include "engine/viewer/held_device.h"
 #include "engine/viewer/live_settings.h"
 #include "engine/viewer/page_settings.h"
+#include "engine/viewer/paper_display.h"
 #include "engine/viewer/pointer_plan.h"
 #include "engine/viewer/state_publisher.h"
 #include "engine/viewer/tick_statistics.h"
@@ -47,6 +48,8 @@ struct ViewSettings {
   bool takes_motors = true;    // see SessionParts
   bool stays_inside = false;   // see DeviceRunSettings
   WallJudge* judge = nullptr;  // null: no wall is judged; it must outlive the session
+  // The page shows nothing but this display, which needs 2 sensors; no value: the full page.
+  std::optional<PaperDisplay> paper = {};
   ViewRecording recording;
 };
 

@@ -7,9 +7,10 @@ import { Connection, takeToken, type ConnectionState } from "./connection.ts";
 import { SettingControls } from "./controls.ts";
 import { Keys } from "./keys.ts";
 import { PageButtons } from "./page_buttons.ts";
+import { kUncalibrated_px_per_mm, PaperDisplay } from "./paper_display.ts";
 import { Hand } from "./pointer.ts";
 import { Pointing } from "./pointing.ts";
-import { publishProbe } from "./probe.ts";
+import { publishProbe, type PictureListener } from "./probe.ts";
 import type { Hello, Request, ServerEvent, State, Status, Ticks } from "./protocol.ts";
 import { StatusPanel } from "./status.ts";
 import { applyTheme, chooseTheme, chosenTheme } from "./theme.ts";
@@ -23,9 +24,10 @@ function element<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
 }
 
-function openView(canvas: HTMLCanvasElement): View3d | null {
+// null: the browser has no WebGL.
+function openDrawing<Drawing>(canvas: HTMLCanvasElement, make: () => Drawing): Drawing | null {
   try {
-    return new View3d(canvas);
+    return make();
   } catch {
     canvas.hidden = true;
     element("key").hidden = true;
@@ -40,7 +42,9 @@ class Page {
   private readonly canvas = element<HTMLCanvasElement>("view");
   private readonly status = new StatusPanel();
   private readonly keys = new Keys();
-  private readonly view = openView(this.canvas);
+  private view: View3d | null = null; // the full page
+  private paper: PaperDisplay | null = null; // in place of it
+  private pictureListener: PictureListener | null = null;
   private readonly charts = new Charts(element("angle-chart"), element("force-chart"));
   private readonly settings: SettingControls;
   private readonly buttons: PageButtons;
@@ -70,9 +74,10 @@ class Page {
     }) : null;
     this.listen();
     publishProbe({
-      view: this.view, charts: this.charts, settings: this.settings,
+      view: () => this.view, paper: () => this.paper, charts: this.charts, settings: this.settings,
       state: () => this.state, hello: () => this.hello, status: () => this.lastStatus,
       isLive: () => this.status.isLive, sent: () => this.connection?.lastPointer ?? 0,
+      onPicture: (call) => (this.pictureListener = call),
     });
     this.buttons.enable(false);
     if (this.connection) this.connection.open();
@@ -95,7 +100,7 @@ class Page {
     this.canvas.addEventListener("webglcontextlost", () => this.showDrawing(
       "The browser has stopped the drawing. Numbers and charts are live; a reload draws again."));
     this.canvas.addEventListener("webglcontextrestored", () => this.showDrawing(""));
-    if (this.view) new ResizeObserver(() => this.view?.resize()).observe(this.canvas);
+    new ResizeObserver(() => (this.view ?? this.paper)?.resize()).observe(this.canvas);
     setInterval(() => this.status.checkAge(performance.now()), kAgeCheck_ms);
   }
 
@@ -152,7 +157,9 @@ class Page {
 
   private greet(hello: Hello): void {
     const hadControl = this.hello !== null && this.hadControl;
+    const isFirst = this.hello === null;
     this.hello = hello;
+    if (isFirst) this.open(hello);
     if (hadControl && !hello.control) {
       this.status.say("While this page was disconnected, another page came into control.");
     }
@@ -161,7 +168,7 @@ class Page {
     element("scene").title = element("scene").textContent ?? "";
     element("about").textContent = `Palpate ${hello.engine}. ${scene.triangles} triangles` +
       (scene.simplified ? `, of which the view shows ${scene.shown_triangles} after simplification.` : ".");
-    this.settings.build(hello.settings, device.sensors);
+    if (hello.display.name === "full") this.settings.build(hello.settings, device.sensors);
     this.status.period_ms = 1000 / hello.rate_Hz;
     this.hand?.letGo();
     this.hand = new Hand(hello, (target, isHeld) => void this.connection?.point(target, isHeld));
@@ -169,12 +176,31 @@ class Page {
     element("hand-hint").textContent = device.is_simulated ? this.canvasLabel(hello)
       : "The hand is a real one: the page shows it and does not move it.";
     this.view?.greet(hello);
-    if (this.view && !this.pointing) {
-      this.pointing = new Pointing(this.canvas, this.view, () => this.activeHand(),
+    const drawing = this.view ?? this.paper;
+    if (drawing && !this.pointing) {
+      this.pointing = new Pointing(this.canvas, drawing, () => this.activeHand(),
                                    () => this.state?.record.device_m ?? null);
     }
     void this.loadScene("felt.glb");
     this.buttons.showSimplified(scene.simplified);
+  }
+
+  // Opens the drawing that the server wants.
+  private open(hello: Hello): void {
+    const { display } = hello;
+    if (display.name === "full") {
+      this.view = openDrawing(this.canvas, () => new View3d(this.canvas));
+      return;
+    }
+    document.body.classList.add("paper");
+    this.buttons.showOnlyHand();
+    const settings = { Hz: display.Hz, scale: display.scale, css_px_per_mm: kUncalibrated_px_per_mm,
+                       proxyRadius_m: hello.proxy_radius_m };
+    this.paper = openDrawing(this.canvas, () => new PaperDisplay(this.canvas, settings, (time_ms) => {
+      if (this.paper?.drawn) this.pictureListener?.(time_ms, this.paper.drawn);
+    }));
+    if (this.paper) this.paper.spheres = display.spheres;
+    this.paper?.run();
   }
 
   private canvasLabel(hello: Hello): string {
@@ -191,19 +217,19 @@ class Page {
   }
 
   private async loadScene(path: string, hello = this.hello): Promise<void> {
-    const view = this.view;
-    if (!view || hello !== this.hello) return;
+    const drawing = this.view ?? this.paper;
+    if (!drawing || hello !== this.hello) return;
     try {
       const answer = await fetch(path, { headers: { "Palpate-Token": this.token ?? "" } });
       if (!answer.ok) throw new Error(`/${path}: the server answers ${answer.status}`);
       const glb = await answer.arrayBuffer();
       if (hello !== this.hello) return; // another connection loads its own
-      view.load(glb);
+      drawing.load(glb);
       if (path.endsWith("?full")) {
         element("about").textContent = `Palpate ${hello?.engine}. All ${hello?.scene.triangles} triangles.`;
         this.buttons.showSimplified(false);
       }
-      element("scale").textContent = `grid ${length(view.gridStep_m)}`;
+      if (this.view) element("scale").textContent = `grid ${length(this.view.gridStep_m)}`;
     } catch (problem) {
       if (hello !== this.hello) return;
       this.status.say(`The scene is not shown. ${problem instanceof Error ? problem.message : ""}`);
@@ -217,7 +243,7 @@ class Page {
     this.status.showState(state, performance.now());
     this.buttons.showPaused(state.isPaused);
     if (this.view) this.view.actuatedAxes = state.axes;
-    this.view?.update(state);
+    (this.view ?? this.paper)?.update(state);
   }
 
   private receiveTicks(ticks: Ticks): void {

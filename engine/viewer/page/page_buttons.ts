@@ -36,6 +36,7 @@ export class PageButtons {
   private readonly takeButton: HTMLButtonElement;
   private readonly cameraButton: HTMLButtonElement;
   private readonly allButton: HTMLButtonElement;
+  private readonly ofView: HTMLButtonElement[] = []; // for the full page
   private isInControl = false;
   private isTripped = false;
 
@@ -98,9 +99,16 @@ export class PageButtons {
     this.cameraButton.setAttribute("aria-pressed", String(isCamera));
   }
 
+  // Leaves the buttons of the hand, over the drawing; the keys of the others do nothing.
+  showOnlyHand(): void {
+    for (const button of this.ofView) button.hidden = true;
+    box("stage").append(box("hand-buttons"));
+  }
+
   private add(parent: HTMLElement, label: string, key: string, run: () => void,
               isControlled = false): HTMLButtonElement {
     const button = document.createElement("button");
+    if (parent.id === "view-buttons") this.ofView.push(button);
     button.type = "button";
     button.textContent = label;
     const hint = document.createElement("kbd");

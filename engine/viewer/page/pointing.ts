@@ -1,8 +1,9 @@
 // Turns pointer, wheel and keys over the view into motions of the hand and of the camera.
 
+import type { Display, DisplayMode } from "./display.ts";
 import type { Hand, HandView } from "./pointer.ts";
 import type { Vector3 } from "./protocol.ts";
-import type { View3d } from "./view3d.ts";
+import type { ViewCamera } from "./view_camera.ts";
 
 const kKeyStep_px = 6;
 const kTurnStep_px = 24;
@@ -12,6 +13,15 @@ const kZoomPerWheel = 0.0015;
 const kArrows: Record<string, readonly [right: number, up: number]> = {
   ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
 };
+
+// What is pointed at. A drawing without a choice of its own ignores zoom and turns.
+export interface PointedView {
+  readonly camera: ViewCamera;
+  readonly mode: DisplayMode;
+  readonly lastDisplay: Display | null;
+  zoomBy(factor: number): void;
+  turnBy(right_px: number, up_px: number): void;
+}
 
 interface Place {
   x: number;
@@ -23,7 +33,7 @@ export class Pointing {
   private pressed: Hand | null = null; // the hand that the only pointer moves
 
   constructor(
-    private readonly canvas: HTMLCanvasElement, private readonly view: View3d,
+    private readonly canvas: HTMLCanvasElement, private readonly view: PointedView,
     private readonly activeHand: () => Hand | null,
     private readonly devicePosition: () => readonly number[] | null,
   ) {

@@ -1,8 +1,8 @@
-// The messages between the page and the server, version 3. All numbers are little-endian.
+// The messages between the page and the server, version 4. All numbers are little-endian.
 
 import { decodeRecord, recordBytes, type TickRecord } from "./record.ts";
 
-export const kVersion = 3;
+export const kVersion = 4;
 const kKindState = 1;
 const kKindTicks = 2;
 const kKindPointer = 16;
@@ -93,6 +93,15 @@ export interface Hello {
   control: boolean;
   settings: Setting[];
   start_device_m: Vector3;
+  display: { name: "full" } | PaperHello;
+}
+
+// The page shows nothing but the display of the paper (paper_display.ts).
+export interface PaperHello {
+  name: "paper";
+  Hz: number; // mean rate of the pictures
+  scale: number; // length on the screen / length in the device frame
+  spheres: { green_m: Vector3; red_m: Vector3; radius_m: number } | null; // centres, scene frame
 }
 
 export interface Status {

@@ -9,21 +9,10 @@ import { FeltScene } from "./felt_scene.ts";
 import type { Hello, State } from "./protocol.ts";
 import { palette } from "./theme.ts";
 import { ViewCamera } from "./view_camera.ts";
+import { drawsInSoftware, kMostPixels } from "./webgl.ts";
 
-const kMostPixels = 2; // per CSS pixel
 const kMargin = 1.12; // between the scene and the border, as a factor of its radius
 const kCameraMargin = 1.5; // the same for the camera metaphor, where the scene is off the middle
-
-// Whether WebGL draws in software, which is slow: the view then does without antialiasing and finer
-// pixels. Throws an Error if the browser has no WebGL.
-function drawsInSoftware(canvas: HTMLCanvasElement): boolean {
-  const probe = canvas.ownerDocument.createElement("canvas").getContext("webgl2");
-  if (!probe) throw new Error("the browser has no WebGL 2");
-  const info = probe.getExtension("WEBGL_debug_renderer_info");
-  const name = info ? String(probe.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
-  probe.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
-}
 
 export class View3d {
   private readonly renderer: WebGLRenderer;

@@ -6,6 +6,7 @@ const kFieldOfView_deg = 35;
 const kLongestTilt_rad = 1.5; // the orbit never looks along A3, where "up" has no direction
 const kClosest = 0.02; // of the radius of what is fitted
 const kFarthest = 40;
+const kReach = 10; // of the top view above and below its centre, as a factor of the same radius
 const kRadians = Math.PI / 180;
 
 // A sphere that the view should show.
@@ -40,6 +41,15 @@ export class ViewCamera {
     this.centre_m.copy(fitted.centre_m);
     this.radius_m = fitted.radius_m;
     this.zoom = 1;
+    this.place();
+  }
+
+  // Top view: shows this length with each pixel, with the centre in the middle, and all that is less than
+  // reach_m above or below the centre.
+  showAtScale(centre_m: Vector3, metresPerPixel: number, reach_m: number): void {
+    this.centre_m.copy(centre_m);
+    this.radius_m = reach_m / kReach;
+    this.zoom = (0.5 * metresPerPixel * Math.min(this.width_px, this.height_px)) / this.radius_m;
     this.place();
   }
 
@@ -105,8 +115,8 @@ export class ViewCamera {
     camera.right = shown_m * aspect;
     camera.left = -camera.right;
     camera.near = 0;
-    camera.far = 20 * this.radius_m;
-    camera.position.copy(this.centre_m).add(new Vector3(0, 0, 10 * this.radius_m));
+    camera.far = 2 * kReach * this.radius_m;
+    camera.position.copy(this.centre_m).add(new Vector3(0, 0, kReach * this.radius_m));
     camera.lookAt(this.centre_m);
   }
 

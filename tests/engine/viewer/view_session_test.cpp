@@ -310,7 +310,8 @@ TEST(ViewSession, HelloDescribesSceneAndDevice) {
   Viewed viewed(scene, setup_of(3, 2));
   const auto hello = nlohmann::json::parse(viewed.session->hello());
   EXPECT_EQ(hello["type"], "hello");
-  EXPECT_EQ(hello["version"], 3);
+  EXPECT_EQ(hello["version"], 4);
+  EXPECT_EQ(hello["display"], nlohmann::json({{"name", "full"}}));
   EXPECT_EQ(hello["scene"]["name"], "a scene");
   std::vector<Vec3> corners_m;
   std::vector<Triangle> triangles;
@@ -324,6 +325,22 @@ TEST(ViewSession, HelloDescribesSceneAndDevice) {
       EXPECT_EQ(setting["value"].dump(), "[[1.0,0.0,0.0],[0.0,1.0,0.0]]");
     }
   }
+}
+
+TEST(ViewSession, HelloDescribesThePapersDisplay) {
+  const Scene scene = loaded("star.glb");
+  ViewSettings settings = named("a star");
+  settings.paper = PaperDisplay{60.0, 0.5, {}};
+  auto display_of = [&] {
+    const auto session = ViewSession::create(scene, setup_of(2, 1), settings);
+    return nlohmann::json::parse((*session)->hello())["display"];
+  };
+  EXPECT_EQ(display_of(), nlohmann::json::parse(
+                              R"({"name":"paper","Hz":60.0,"scale":0.5,"spheres":null})"));
+  settings.paper->spheres = DisplayedSpheres{Vec3(1, 2, 3), Vec3(4, 5, 6), 0.25};
+  EXPECT_EQ(display_of()["spheres"],
+            nlohmann::json::parse(
+                R"({"green_m":[1.0,2.0,3.0],"red_m":[4.0,5.0,6.0],"radius_m":0.25})"));
 }
 
 // The published poses of a body that moves at a constant velocity, in the same tick as the record.

@@ -1,7 +1,9 @@
 // Serves the page of `palpate view` with states that a test sets, without a haptic thread, and says
 // which rays of a camera hit the scene.
 //
-//   page_of_records SCENE SENSORS
+//   page_of_records SCENE SENSORS [DISPLAY]
+//
+// DISPLAY: what the page shows, as the JSON that a hello has; the full page without it.
 //
 // Prints the address of the page. Then reads commands from stdin, one JSON object a line, and
 // answers each with the line "done":
@@ -74,9 +76,10 @@ void write_field(const json& values, const RecordField& field, TickRecord& recor
 // Shows the state that the test has set last.
 class FixedModel final : public ViewModel {
  public:
-  FixedModel(const Scene& scene, int sensors, FeltGlb felt)
+  FixedModel(const Scene& scene, int sensors, json display, FeltGlb felt)
       : scene_(scene),
         sensors_(sensors),
+        display_(std::move(display)),
         felt_(std::move(felt)),
         bytes_(std::make_shared<const std::string>(felt_.bytes)) {}
 
@@ -151,6 +154,7 @@ class FixedModel final : public ViewModel {
 
   const Scene& scene_;
   const int sensors_;
+  const json display_;
   const FeltGlb felt_;
   const std::shared_ptr<const std::string> bytes_;
   std::mutex mutex_;
@@ -176,6 +180,7 @@ std::string FixedModel::hello() {
   hello["plane_height_m"] = sensors_ == 2 ? json(0.0) : json();
   hello["proxy_radius_m"] = 0.004;
   hello["start_device_m"] = {0, 0, 0};
+  hello["display"] = display_;
   hello["settings"] = {
       {{"name", "axes"}, {"label", "Motors"}, {"kind", "axes"}, {"value", axes()}}};
   return hello.dump();
@@ -209,7 +214,7 @@ void write_hits(const ContactWorld& world, const json& rays) {
   std::ofstream(rays.at("file").get<std::string>(), std::ios::binary) << hits;
 }
 
-int serve(const std::string& path, int sensors) {
+int serve(const std::string& path, int sensors, json display) {
   const auto page = embedded_page();
   if (!page) {
     std::cerr << "page_of_records: built without the page; ./run.sh view fetches what it needs\n";
@@ -225,7 +230,7 @@ int serve(const std::string& path, int sensors) {
     std::cerr << felt.error().to_string() << '\n';
     return 2;
   }
-  FixedModel model(*scene, sensors, std::move(*felt));
+  FixedModel model(*scene, sensors, std::move(display), std::move(*felt));
   auto server = ViewServer::listen({}, *page, model);
   if (!server) {
     std::cerr << server.error().to_string() << '\n';
@@ -248,9 +253,10 @@ int serve(const std::string& path, int sensors) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::cerr << "usage: page_of_records SCENE SENSORS\n";
+  if (argc != 3 && argc != 4) {
+    std::cerr << "usage: page_of_records SCENE SENSORS [DISPLAY]\n";
     return 2;
   }
-  return palpate::serve(argv[1], std::stoi(argv[2]));
+  return palpate::serve(argv[1], std::stoi(argv[2]),
+                        palpate::json::parse(argc == 4 ? argv[3] : R"({"name":"full"})"));
 }

@@ -12,6 +12,8 @@ import { roundStep } from "@page/felt_scene.ts";
 import { readFeltGlb } from "@page/felt_glb.ts";
 import { History, kBucket_s, kSpan_s } from "@page/history.ts";
 import { Keys } from "@page/keys.ts";
+import { paperColours } from "@page/paper_display.ts";
+import { PicturePacer } from "@page/picture_pacer.ts";
 import { decodeBinary, encodePointer, type Ticks } from "@page/protocol.ts";
 import { decodeRecord, recordBytes, type TickRecord } from "@page/record.ts";
 import { Journey } from "@page/status.ts";
@@ -76,7 +78,7 @@ test("a state is decoded at the offsets of its layout", () => {
   const bytes = new ArrayBuffer(136 + recordBytes + 64 + names[0].length + names[1].length);
   const view = new DataView(bytes);
   view.setUint16(0, 1, true);
-  view.setUint16(2, 3, true);
+  view.setUint16(2, 4, true);
   view.setUint32(4, 5, true);
   view.setBigUint64(8, 12345678901n, true);
   [0.1, -0.2, 0.3].forEach((v, i) => view.setFloat64(16 + 8 * i, v, true));
@@ -111,8 +113,8 @@ test("a state is decoded at the offsets of its layout", () => {
 test("a message of another version or length is refused by name", () => {
   const bytes = new ArrayBuffer(136);
   new DataView(bytes).setUint16(0, 1, true);
-  assert.throws(() => decodeBinary(bytes), /version is 0; expected 3/);
-  new DataView(bytes).setUint16(2, 3, true);
+  assert.throws(() => decodeBinary(bytes), /version is 0; expected 4/);
+  new DataView(bytes).setUint16(2, 4, true);
   assert.throws(() => decodeBinary(bytes), /state: has 136 bytes/);
   new DataView(bytes).setUint16(0, 3, true);
   assert.throws(() => decodeBinary(bytes), /kind is 3/);
@@ -124,7 +126,7 @@ test("columns of ticks are read one after another", () => {
   const bytes = new ArrayBuffer(24 + 28 * rows);
   const view = new DataView(bytes);
   view.setUint16(0, 2, true);
-  view.setUint16(2, 3, true);
+  view.setUint16(2, 4, true);
   view.setUint32(4, rows, true);
   view.setFloat64(8, 2.5, true);
   for (let i = 0; i < 7 * rows; ++i) view.setFloat32(24 + 4 * i, i, true);
@@ -140,7 +142,7 @@ test("a pointer message has the bytes of its layout", () => {
   const view = new DataView(encodePointer(258, [0.5, -1, 2], true));
   assert.equal(view.byteLength, 40);
   assert.deepEqual([view.getUint16(0, true), view.getUint16(2, true), view.getUint32(4, true)],
-                   [16, 3, 1]);
+                   [16, 4, 1]);
   assert.equal(view.getBigUint64(8, true), 258n);
   assert.deepEqual([16, 24, 32].map((at) => view.getFloat64(at, true)), [0.5, -1, 2]);
   assert.equal(new DataView(encodePointer(1, [0, 0, 0], false)).getUint32(4, true), 0);
@@ -292,4 +294,74 @@ test("faults are said in words, the most frequent first", () => {
 
 test("a GLB without its chunks is refused by name", () => {
   assert.throws(() => readFeltGlb(new ArrayBuffer(40)), /felt\.glb: is no GLB file/);
+});
+
+test("pictures have their own mean rate on every screen, and each frame shows at most one", () => {
+  const next = random(seed);
+  for (const screen_Hz of [59.94, 60, 75, 90, 120, 144, 240]) {
+    for (const rate_Hz of [24, 40, 59]) {
+      const pacer = new PicturePacer(rate_Hz);
+      const frame_ms = 1000 / screen_Hz;
+      const begin_ms = 1000 * next();
+      const shown: number[] = [];
+      const kFrames = 6000;
+      for (let i = 0; i < kFrames; ++i) {
+        const now_ms = begin_ms + i * frame_ms + 0.4 * (next() - 0.5); // frames jitter
+        if (pacer.isDue(now_ms)) shown.push(now_ms);
+      }
+      const mean_ms = ((shown.at(-1) ?? NaN) - (shown[0] ?? NaN)) / (shown.length - 1);
+      // The ends are known to a frame.
+      const tolerance_ms = (2 * (frame_ms + 1)) / (shown.length - 1);
+      assert.ok(Math.abs(mean_ms - 1000 / rate_Hz) <= tolerance_ms,
+                `${rate_Hz} Hz on ${screen_Hz} Hz: ${mean_ms} ms`);
+    }
+  }
+});
+
+test("a screen that is slower than the pictures shows one in each frame, and a pause is not made up for", () => {
+  const slow = new PicturePacer(40);
+  for (let i = 0; i < 100; ++i) assert.ok(slow.isDue((i * 1000) / 30));
+  const pacer = new PicturePacer(40);
+  assert.ok(pacer.isDue(0));
+  assert.ok(pacer.isDue(400));
+  let shown = 0;
+  for (let i = 1; i <= 60; ++i) shown += pacer.isDue(400 + (i * 1000) / 60) ? 1 : 0;
+  assert.ok(Math.abs(shown - 40) <= 1, `${shown} pictures in a second after a pause`);
+});
+
+// Relative luminance and contrast of WCAG 2.2.
+function luminance(colour: string): number {
+  const [r, g, b] = [1, 3, 5].map((at) => {
+    const value = parseInt(colour.slice(at, at + 2), 16) / 255;
+    return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+  }) as [number, number, number];
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+}
+function contrast(a: string, b: string): number {
+  const [low, high] = [luminance(a), luminance(b)].sort((x, y) => x - y) as [number, number];
+  return (high + 0.05) / (low + 0.05);
+}
+
+test("ball, frame and ring of the paper's display stand out from object and background", () => {
+  const { background, object, ball, frame, ring } = paperColours;
+  assert.ok(contrast(object, background) >= 3);
+  for (const mark of [ball, frame, ring]) {
+    for (const below of [object, background]) {
+      assert.ok(contrast(mark, below) >= 3, `${mark} on ${below}: ${contrast(mark, below)}`);
+    }
+  }
+});
+
+test("the top view at a scale shows a length with its pixels, and the centre in the middle", () => {
+  for (const [width, height] of [[800, 400], [300, 900], [641, 481]] as const) {
+    const camera = new ViewCamera(true);
+    camera.resize(width, height);
+    camera.showAtScale(new Vector3(1, 2, 3), 1 / 3779.5, 0.4);
+    const middle = camera.pixelOf(new Vector3(1, 2, 3));
+    assert.ok(Math.abs(middle.x - 0.5 * width) + Math.abs(middle.y - 0.5 * height) < kRoundoff_px);
+    const a1 = camera.pixelOf(new Vector3(1.01, 2, 3.3));
+    assert.ok(Math.abs(middle.y - a1.y - 37.795) < kRoundoff_px && Math.abs(a1.x - middle.x) < kRoundoff_px);
+    const a2 = camera.pixelOf(new Vector3(1, 2.01, 2.7));
+    assert.ok(Math.abs(middle.x - a2.x - 37.795) < kRoundoff_px);
+  }
 });
