@@ -1,4 +1,4 @@
-// The bytes of the page, as the build has made them.
+// The bytes of the pages, as the build has made them.
 
 #include <cstddef>
 
@@ -21,6 +21,9 @@ PALPATE_EMBED(page_html, "index.html")
 PALPATE_EMBED(page_script, "page.js")
 PALPATE_EMBED(page_style, "page.css")
 PALPATE_EMBED(page_icon, "icon.svg")
+PALPATE_EMBED(live_html, "live.html")
+PALPATE_EMBED(live_script, "live.js")
+PALPATE_EMBED(live_style, "live.css")
 PALPATE_EMBED(page_licences, "licences.txt")
 
 namespace palpate {
@@ -39,6 +42,13 @@ std::optional<PageFiles> embedded_page() noexcept {
                    between(palpate_page_icon, palpate_page_icon_end)};
 }
 
+std::optional<PageFiles> embedded_live_page() noexcept {
+  return PageFiles{between(palpate_live_html, palpate_live_html_end),
+                   between(palpate_live_script, palpate_live_script_end),
+                   between(palpate_live_style, palpate_live_style_end),
+                   between(palpate_page_icon, palpate_page_icon_end)};
+}
+
 std::string_view embedded_licences() noexcept {
   return between(palpate_page_licences, palpate_page_licences_end);
 }
@@ -50,6 +60,10 @@ std::string_view embedded_licences() noexcept {
 namespace palpate {
 
 std::optional<PageFiles> embedded_page() noexcept {
+  return std::nullopt;
+}
+
+std::optional<PageFiles> embedded_live_page() noexcept {
   return std::nullopt;
 }
 

@@ -1,8 +1,7 @@
 // The connection to the server: token, hello, reconnecting, and requests with their answers.
 
 import {
-  decodeBinary, encodePointer, kVersion, type Answer, type Hello, type JsonMessage, type Request,
-  type ServerEvent, type State, type Status, type Ticks, type Vector3,
+  decodeBinary, encodePointer, kVersion, type Answer, type State, type Ticks, type Vector3,
 } from "./protocol.ts";
 
 // Close codes of the server.
@@ -45,13 +44,17 @@ export type ConnectionState =
   | "no token" // the page was opened without the address that the program printed
   | "wrong version"; // the server speaks another version; only a reload helps
 
-export interface ConnectionEvents {
+// Greeting and Message: the JSON that a server sends to this page; answers belong to the connection.
+export interface Greeting {
+  type: "hello";
+  version: number;
+}
+export interface ConnectionEvents<Hello extends Greeting, Message> {
   changed(state: ConnectionState): void;
   hello(hello: Hello): void;
   state(state: State): void;
   ticks(ticks: Ticks): void;
-  status(status: Status): void;
-  event(event: ServerEvent): void;
+  message(message: Message): void;
 }
 
 // How a connection ended.
@@ -79,7 +82,7 @@ export function takeToken(): string | null {
   return sessionStorage.getItem(tokenKey());
 }
 
-export class Connection {
+export class Connection<Hello extends Greeting, Message extends { type: string }> {
   private socket: WebSocket | null = null;
   private isGreeted = false;
   private hasOpened = false;
@@ -89,7 +92,7 @@ export class Connection {
   private nextPointer = 1;
   private readonly waiting = new Map<number, (answer: Answer) => void>();
 
-  constructor(private readonly token: string, private readonly events: ConnectionEvents) {}
+  constructor(private readonly token: string, private readonly events: ConnectionEvents<Hello, Message>) {}
 
   open(): void {
     const socket = new WebSocket(liveAddress(location.href));
@@ -114,13 +117,18 @@ export class Connection {
   }
 
   // Sends a request. The answer of a connection that ends is a problem.
-  request(request: Request): Promise<Answer> {
+  request(request: { type: string }): Promise<Answer> {
     const id = this.nextId++;
     if (!this.isGreeted || !this.socket) {
       return Promise.resolve({ type: "answer", id, ok: false, problem: "not connected" });
     }
     this.socket.send(JSON.stringify({ ...request, id }));
     return new Promise((resolve) => this.waiting.set(id, resolve));
+  }
+
+  // Sends what has no answer. Without a connection it is lost.
+  tell(notice: { type: string }): void {
+    if (this.isGreeted) this.socket?.send(JSON.stringify(notice));
   }
 
   // Sends the target of the hand; returns the sequence of the message, or 0 if not connected.
@@ -133,7 +141,7 @@ export class Connection {
 
   private receive(data: string | ArrayBuffer): void {
     if (typeof data === "string") {
-      this.receiveJson(JSON.parse(data) as JsonMessage);
+      this.receiveJson(JSON.parse(data) as Hello | Answer | Message);
       return;
     }
     const message = decodeBinary(data);
@@ -141,29 +149,26 @@ export class Connection {
     else this.events.ticks(message.ticks);
   }
 
-  private receiveJson(message: JsonMessage): void {
-    switch (message.type) {
-      case "hello":
-        if (message.version !== kVersion) {
-          this.stop("wrong version");
-          return;
-        }
-        this.isGreeted = true;
-        this.delay_ms = kFirstDelay_ms;
-        this.events.hello(message);
-        this.events.changed("live");
-        return;
-      case "status":
-        this.events.status(message);
-        return;
-      case "answer":
-        this.waiting.get(message.id)?.(message);
-        this.waiting.delete(message.id);
-        return;
-      case "event":
-        this.events.event(message);
-        return;
+  private receiveJson(json: Hello | Answer | Message): void {
+    if (json.type === "hello") this.greet(json as Hello);
+    else if (json.type === "answer") this.answered(json as Answer);
+    else this.events.message(json as Message);
+  }
+
+  private greet(hello: Hello): void {
+    if (hello.version !== kVersion) {
+      this.stop("wrong version");
+      return;
     }
+    this.isGreeted = true;
+    this.delay_ms = kFirstDelay_ms;
+    this.events.hello(hello);
+    this.events.changed("live");
+  }
+
+  private answered(answer: Answer): void {
+    this.waiting.get(answer.id)?.(answer);
+    this.waiting.delete(answer.id);
   }
 
   private stop(state: ConnectionState): void {

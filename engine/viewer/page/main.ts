@@ -48,7 +48,7 @@ class Page {
   private readonly charts = new Charts(element("angle-chart"), element("force-chart"));
   private readonly settings: SettingControls;
   private readonly buttons: PageButtons;
-  private readonly connection: Connection | null;
+  private readonly connection: Connection<Hello, Status | ServerEvent> | null;
   private readonly token = takeToken();
   private pointing: Pointing | null = null;
   private hand: Hand | null = null;
@@ -64,13 +64,13 @@ class Page {
       element("settings"), element("materials"), this.keys,
       (name, value) => this.request({ type: "set", name, value }),
       (problem) => this.status.say(problem));
-    this.connection = this.token ? new Connection(this.token, {
+    this.connection = this.token ? new Connection<Hello, Status | ServerEvent>(this.token, {
       changed: (state) => this.connectionChanged(state),
       hello: (hello) => this.greet(hello),
       state: (state) => this.receiveState(state),
       ticks: (ticks) => this.receiveTicks(ticks),
-      status: (status) => this.receiveStatus(status),
-      event: (event) => this.receiveEvent(event),
+      message: (message) =>
+        message.type === "status" ? this.receiveStatus(message) : this.receiveEvent(message),
     }) : null;
     this.listen();
     publishProbe({

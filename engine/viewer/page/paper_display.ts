@@ -98,7 +98,6 @@ export class PaperDisplay {
               private readonly onDrawn: (time_ms: number) => void) {
     this.isSoftware = drawsInSoftware(canvas);
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.isSoftware });
-    this.renderer.setPixelRatio(this.isSoftware ? 1 : Math.min(devicePixelRatio, kMostPixels));
     this.scene.background = new Color(paperColours.background);
     this.felt.matrixAutoUpdate = false;
     this.material.depthTest = false; // all bodies have one colour
@@ -147,6 +146,7 @@ export class PaperDisplay {
 
   resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
+    this.renderer.setPixelRatio(this.isSoftware ? 1 : Math.min(devicePixelRatio, kMostPixels));
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.resize(clientWidth, clientHeight);
   }

@@ -136,8 +136,6 @@ export interface ServerEvent {
   text: string;
 }
 
-export type JsonMessage = Hello | Status | Answer | ServerEvent;
-
 // A request of the page; the connection adds the id.
 export type Request =
   | { type: "set"; name: string; value: SettingValue }

@@ -91,7 +91,7 @@ TEST(ViewMessages, StateHasTheDocumentedLayout) {
   constexpr std::size_t kHead = 136;
   ASSERT_EQ(bytes.size(), kHead + sizeof(TickRecord) + 2 * 64 + 6 + 256);
   EXPECT_EQ(whole(bytes, 0, 2), 1u);
-  EXPECT_EQ(whole(bytes, 2, 2), 3u);
+  EXPECT_EQ(whole(bytes, 2, 2), 4u);
   EXPECT_EQ(whole(bytes, 4, 4), 5u);
   EXPECT_EQ(whole(bytes, 8, 8), 9u);
   EXPECT_EQ(real64(bytes, 16), 0.1);
@@ -153,7 +153,7 @@ TEST(ViewMessages, TicksHaveTheDocumentedColumns) {
   encode_ticks(rows, 7, 1, bytes);
   ASSERT_EQ(bytes.size(), 24u + 7 * 2 * 4);
   EXPECT_EQ(whole(bytes, 0, 2), 2u);
-  EXPECT_EQ(whole(bytes, 2, 2), 3u);
+  EXPECT_EQ(whole(bytes, 2, 2), 4u);
   EXPECT_EQ(whole(bytes, 4, 4), 2u);
   EXPECT_EQ(real64(bytes, 8), 1e6);
   EXPECT_EQ(whole(bytes, 16, 4), 7u);

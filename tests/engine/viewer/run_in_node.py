@@ -54,7 +54,7 @@ def browser(node, project, build, script, programs, is_test=True):
     os.environ.update({
         "PALPATE_CHROMIUM": chromium, "PALPATE_DRIVER": str(packages),
         "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(programs),
-        "PALPATE_PICTURES": str(build / "page_pictures")})
+        "PALPATE_PICTURES": str(build / "page_pictures"), "PALPATE_BUILD": str(build)})
     # Replaces this process, so that a signal reaches the test, which ends its programs.
     sys.stdout.flush()
     os.execv(node, [node, *(["--test", *pattern] if is_test else []), str(script)])

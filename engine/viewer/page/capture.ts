@@ -1,0 +1,69 @@
+// Full screen and pointer lock of the whole page. Both need a click or a key press just before.
+
+export type LockKind = "unadjusted" | "plain"; // plain: the system may accelerate the pointer
+
+const root = (): HTMLElement => document.documentElement;
+let lastKind: LockKind = "plain";
+
+export function isLocked(): boolean {
+  return document.pointerLockElement === root();
+}
+
+// Of a screen that the page or the key F11 has filled.
+const filled = matchMedia("(display-mode: fullscreen)");
+
+export function fillsScreen(): boolean {
+  return document.fullscreenElement !== null || filled.matches;
+}
+
+export function onScreenChange(call: () => void): void {
+  document.addEventListener("fullscreenchange", call);
+  filled.addEventListener("change", call);
+}
+
+// Waits until a lock without a promise is granted or refused.
+function lockEnds(): Promise<void> {
+  return new Promise((resolve, reject) => {
+    document.addEventListener("pointerlockchange", () => resolve(), { once: true });
+    document.addEventListener("pointerlockerror", () => reject(new Error("refused")), { once: true });
+  });
+}
+
+// Locks the pointer, without the acceleration of the system if the browser can. null: refused, as for
+// a second after the person has left a lock.
+export async function lockPointer(): Promise<LockKind | null> {
+  if (isLocked()) return lastKind;
+  try {
+    // Only a browser that returns a promise knows the option.
+    const asked = root().requestPointerLock({ unadjustedMovement: true }) as Promise<void> | undefined;
+    await (asked ?? lockEnds());
+    lastKind = asked ? "unadjusted" : "plain";
+    return lastKind;
+  } catch (problem) {
+    if (!(problem instanceof DOMException && problem.name === "NotSupportedError")) return null;
+  }
+  try {
+    await root().requestPointerLock();
+    lastKind = "plain";
+    return lastKind;
+  } catch {
+    return null;
+  }
+}
+
+// Returns false if the browser refuses.
+export async function fillScreen(): Promise<boolean> {
+  if (fillsScreen()) return true;
+  try {
+    await root().requestFullscreen({ navigationUI: "hide" });
+    return true;
+  } catch {
+    return false;
+  }
+}
+
+// Both at once: the lock first, because full screen uses up the click.
+export async function capture(needsLock: boolean): Promise<boolean> {
+  const locked = needsLock ? (await lockPointer()) !== null : true;
+  return (await fillScreen()) && locked;
+}

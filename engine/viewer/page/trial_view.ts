@@ -1,0 +1,284 @@
+// A trial of a participant: the paper's display, the motions of the pointer, and what ends a trial.
+
+import { capture, fillsScreen, isLocked, onScreenChange } from "./capture.ts";
+import { make, makeButton } from "./dom.ts";
+import type { Ask, Checked, LeftWhy, LiveHello, LiveNotice, Trial } from "./live_protocol.ts";
+import type { WordKey, Words } from "./live_words.ts";
+import { kUncalibrated_px_per_mm, PaperDisplay } from "./paper_display.ts";
+import { PointerSum } from "./pointer_sum.ts";
+import type { State, Vector3 } from "./protocol.ts";
+
+const kRepeat_ms = 50; // the server lets go after 300 ms without a message
+const kFrames_ms = 200; // between messages with the times of pictures
+const kMostTimes = 100; // in such a message
+const kRetry_ms = 2000; // until the object is asked for again
+
+// waiting: for the person, before a trial. running: between the answer to `ready` and trial_end. between:
+// after trial_end. left: it was running until the person left.
+export type TrialPhase = "none" | "loading" | "waiting" | "starting" | "running" | "between" | "left";
+
+export interface TrialHost {
+  ask: Ask;
+  tell(notice: LiveNotice): void;
+  point(target_m: Vector3, isHeld: boolean): void;
+  fetchScene(): Promise<ArrayBuffer>;
+  pause(): void;
+  stop(): void;
+  say(problem: string): void; // "": nothing
+}
+
+export class TrialView {
+  private readonly canvas = make("canvas", "picture");
+  private readonly overlay = make("div", "overlay");
+  private readonly bar = make("div", "bar");
+  private readonly display: PaperDisplay;
+  private readonly sum: PointerSum;
+  private hello: LiveHello | null = null;
+  private checked: Checked | null = null;
+  private trial: Trial | null = null;
+  private scene = -1; // that is loaded
+  private times_ms: number[] = [];
+  private timers: number[] = [];
+  phase: TrialPhase = "none";
+
+  // onDrawn: called with the time of each picture. Throws an Error if the browser has no WebGL.
+  constructor(private readonly element: HTMLElement, private readonly words: Words,
+              private readonly host: TrialHost, onDrawn: (time_ms: number) => void) {
+    element.append(this.canvas, this.bar, this.overlay);
+    this.overlay.setAttribute("role", "dialog");
+    this.canvas.setAttribute("role", "img");
+    const settings = { Hz: 40, scale: 1, css_px_per_mm: kUncalibrated_px_per_mm, proxyRadius_m: 0 };
+    this.display = new PaperDisplay(this.canvas, settings, (time_ms) => {
+      if (this.phase === "running") this.times_ms.push(time_ms);
+      onDrawn(time_ms);
+    });
+    this.sum = new PointerSum(this.canvas, () => this.sendTarget());
+    new ResizeObserver(() => this.rescale()).observe(this.canvas);
+    addEventListener("blur", () => this.leave("focus"));
+    document.addEventListener("visibilitychange", () => {
+      if (document.hidden) this.leave("hidden");
+    });
+    document.addEventListener("pointerlockchange", () => {
+      if (this.needsLock && !isLocked()) this.leave("pointer_lock");
+    });
+    onScreenChange(() => {
+      if (this.needsScreen && !fillsScreen()) this.leave("full_screen");
+    });
+    element.addEventListener("contextmenu", (event) => event.preventDefault()); // of a long press
+  }
+
+  get shown(): PaperDisplay {
+    return this.display;
+  }
+
+  // checked: null if the input check was not made in this page, nor before a reload.
+  greet(hello: LiveHello, checked: Checked | null): void {
+    this.hello = hello;
+    this.scene = -1; // the server may be another one
+    this.canvas.setAttribute("aria-label", this.words.get("trial_picture"));
+    this.overlay.setAttribute("aria-label", this.words.get("left_title"));
+    this.display.change({
+      Hz: hello.display.Hz, scale: hello.display.scale, proxyRadius_m: hello.display.proxy_radius_m ?? 0,
+    });
+    this.setChecked(checked);
+  }
+
+  setChecked(checked: Checked | null): void {
+    this.checked = checked;
+    this.sum.input = this.hello?.is_script ? "board" : checked?.input ?? this.hello?.inputs[0] ?? "mouse";
+    this.rescale();
+    this.makeBar();
+  }
+
+  // Prepares the trial, and starts it when the person is ready for it.
+  async start(trial: Trial): Promise<void> {
+    this.finish();
+    this.trial = trial;
+    this.phase = "loading";
+    this.element.hidden = false;
+    this.display.resize();
+    this.display.spheres = trial;
+    this.display.ringAt = null;
+    this.display.run();
+    this.showProgress(trial);
+    if (this.scene !== trial.scene && !(await this.load(trial))) return;
+    if (this.trial !== trial) return;
+    if (this.isReady) await this.begin(trial);
+    else this.wait("waiting");
+  }
+
+  end(number: number): void {
+    if (this.trial?.number !== number || this.phase !== "running") return;
+    this.finish();
+    this.trial = null;
+    this.phase = "between";
+    this.ring(null);
+  }
+
+  ring(place_scene_m: Vector3 | null): void {
+    this.display.ringAt = place_scene_m;
+    const hint = this.bar.querySelector<HTMLElement>(".ring");
+    if (hint) hint.textContent = place_scene_m ? this.words.get("ring_hint") : "";
+  }
+
+  receive(state: State): void {
+    this.display.update(state);
+  }
+
+  // Ends what is shown and frees the pointer; the screen stays filled.
+  hide(): void {
+    this.finish();
+    this.trial = null;
+    this.phase = "none";
+    this.display.stop();
+    this.element.hidden = true;
+    this.overlay.hidden = true;
+    if (isLocked()) document.exitPointerLock();
+  }
+
+  // Fills the screen and locks the pointer as trials need it. Call it in a click.
+  capture(): Promise<boolean> {
+    return this.needsScreen ? capture(this.needsLock) : Promise.resolve(true);
+  }
+
+  private get needsLock(): boolean {
+    return this.sum.input === "mouse";
+  }
+  private get needsScreen(): boolean {
+    return !(this.hello?.is_script ?? false);
+  }
+  private get isReady(): boolean {
+    return !this.needsScreen || ((!this.needsLock || isLocked()) && fillsScreen() && !document.hidden);
+  }
+
+  // A page that was zoomed since the check has larger CSS pixels.
+  private rescale(): void {
+    const { css_px_per_mm = kUncalibrated_px_per_mm, device_pixel_ratio = devicePixelRatio } = this.checked ?? {};
+    this.display.change({ css_px_per_mm: (css_px_per_mm * device_pixel_ratio) / devicePixelRatio });
+    this.display.resize();
+  }
+
+  // Returns false if another trial has come meanwhile.
+  private async load(trial: Trial): Promise<boolean> {
+    while (this.trial === trial) {
+      try {
+        const glb = await this.host.fetchScene();
+        if (this.trial !== trial) return false;
+        this.display.load(glb);
+        this.scene = trial.scene;
+        this.host.say("");
+        return true;
+      } catch {
+        this.host.say(this.words.get("scene_missing"));
+        await new Promise((resolve) => setTimeout(resolve, kRetry_ms));
+      }
+    }
+    return false;
+  }
+
+  private async begin(trial: Trial): Promise<void> {
+    this.phase = "starting";
+    this.overlay.hidden = true;
+    this.sum.reset();
+    const answer = await this.host.ask({ type: "ready", trial: trial.number });
+    if (this.trial !== trial || this.phase !== "starting") return;
+    if (!answer.ok) {
+      this.host.say(this.words.get("refused", { problem: answer.problem ?? "" }));
+      this.wait("waiting");
+      return;
+    }
+    this.phase = "running";
+    this.timers = [
+      window.setInterval(() => this.sendTarget(), kRepeat_ms),
+      window.setInterval(() => this.sendTimes(), kFrames_ms),
+    ];
+    this.sendTarget();
+    if (!this.isReady) this.leave(this.whyNotReady()); // lost while the server answered
+  }
+
+  private whyNotReady(): LeftWhy {
+    if (document.hidden) return "hidden";
+    return this.needsLock && !isLocked() ? "pointer_lock" : "full_screen";
+  }
+
+  // Ends the messages of the running trial.
+  private finish(): void {
+    for (const timer of this.timers) clearInterval(timer);
+    this.timers = [];
+    this.sendTimes();
+  }
+
+  private leave(why: LeftWhy): void {
+    switch (this.phase) {
+      case "running":
+        this.finish();
+        this.host.tell({ type: "left", why });
+        return this.wait("left");
+      case "left":
+      case "waiting":
+      case "between":
+        return this.wait(this.phase);
+      default: // loading and starting look for themselves
+    }
+  }
+
+  // Shows what the person can do while the pointer is free.
+  private wait(phase: "waiting" | "between" | "left"): void {
+    this.phase = phase;
+    const text = (key: WordKey): HTMLElement => make("p", "text", this.words.get(key));
+    const goOn = makeButton(this.words.get("go_on"), () => this.goOn(), "main");
+    this.overlay.replaceChildren(
+      ...(phase === "left" ? [make("h2", "", this.words.get("left_title")), text("left_text")]
+                           : [text("click_to_go_on")]),
+      make("div", "buttons", goOn, makeButton(this.words.get("pause"), () => this.host.pause()),
+           makeButton(this.words.get("stop"), () => this.host.stop())));
+    this.overlay.hidden = false;
+    if (isLocked()) document.exitPointerLock();
+    goOn.focus();
+  }
+
+  private async goOn(): Promise<void> {
+    if (!(await this.capture())) {
+      this.host.say(this.words.get("lock_failed"));
+      return;
+    }
+    this.host.say("");
+    this.overlay.hidden = true;
+    if (this.phase === "waiting" && this.trial) await this.begin(this.trial);
+    // Otherwise the next trial comes by itself.
+  }
+
+  private sendTarget(): void {
+    if (this.phase !== "running" || !this.trial || this.sum.input === "board") return;
+    const [x, y, z] = this.trial.start_device_m;
+    const metres = 1 / this.display.pixels_per_m;
+    // Seen from above with A1 up, A2 points to the left.
+    this.host.point([x + metres * this.sum.up_px, y - metres * this.sum.right_px, z], this.sum.holds);
+  }
+
+  private sendTimes(): void {
+    while (this.times_ms.length > 0) {
+      this.host.tell({ type: "frames", times_ms: this.times_ms.splice(0, kMostTimes) });
+    }
+  }
+
+  // The keys of a locked pointer; buttons for those who can press them.
+  private makeBar(): void {
+    const ring = make("span", "ring");
+    ring.setAttribute("role", "status");
+    const progress = make("span", "progress");
+    if (this.needsLock) {
+      this.bar.replaceChildren(progress, make("span", "keys", this.words.get("trial_keys")), ring);
+      return;
+    }
+    const pause = makeButton(this.words.get("pause"), () => this.host.pause());
+    const stop = makeButton(this.words.get("stop"), () => this.host.stop());
+    this.bar.replaceChildren(progress, ring, pause, stop);
+  }
+
+  private showProgress({ number, of }: Trial): void {
+    const progress = this.bar.querySelector(".progress");
+    if (progress) progress.textContent = this.words.get("trial_of", { number, of });
+    this.ring(null);
+  }
+}

@@ -1,0 +1,462 @@
+// The page of a participant, with a server that has no engine: the course from the information to the
+// debriefing, the input check, the motions of a trial, and what ends one.
+
+import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+
+import { assertClean, closeAll, kProject, openBrowser, openPage, pictureFolder, until } from "./chromium.mjs";
+import { FakeLive } from "./fake_live.mjs";
+
+const kInch_mm = 25.4;
+const kCard_mm = 85.6;
+const kClosed = /WebSocket connection to|Failed to load resource: net::ERR_/; // said by Chromium
+const kContrast = 4.5;
+const kEvents = 1000; // of the mouse, as fast as the browser takes them
+const kEpsilon = 2 ** -52;
+
+let browser;
+before(async () => (browser = await openBrowser()));
+after(() => closeAll(browser));
+
+const kStart_m = [0.01, -0.02, 0.003];
+const trialOf = (number, scene = 0) => ({
+  type: "trial", number, of: 4, scene, green_m: [-0.01, 0.02, 0], red_m: [-0.01, 0.045, 0], radius_m: 0.006,
+  start_device_m: kStart_m, step: "block",
+});
+const kChecked = {
+  input: "mouse", motion: "unknown", css_px_per_mm: 5, device_pixel_ratio: 1, width_px: 1000, height_px: 640,
+  refresh_Hz: 60, unadjusted: false, stroke_ratio: null,
+};
+
+// Runs a test with a server and a page. change(fake): sets its hello.
+async function withPage(run, { change = () => {}, options = {} } = {}) {
+  const fake = await FakeLive.start(`${kProject}/models/star.glb`);
+  try {
+    change(fake);
+    const page = await openPage(browser, fake.address, options);
+    await until(page, () => (window.palpate?.step() ?? null) !== null);
+    try {
+      await run(page, fake);
+    } catch (error) {
+      const seen = await page.evaluate(() => [window.palpate.step(), window.palpate.phase(), window.palpate.pictures(),
+        document.hidden, window.palpate.state() !== null, document.getElementById("notice").textContent]);
+      error.message += `\n${page.complaints.join("\n")}\nthe page: ${seen}`;
+      throw error;
+    }
+    assertClean(page, kClosed);
+    await page.context().close();
+  } finally {
+    await fake.stop();
+  }
+}
+const button = (page, name) => page.getByRole("button", { name, exact: true });
+const untilStep = (page, step) => until(page, (s) => window.palpate.step() === s, step);
+const untilPhase = (page, phase) => until(page, (p) => window.palpate.phase() === p, phase);
+const ofType = (type) => (message) => message.type === type;
+
+// A page in the step before trials, in which a click has begun the first one.
+async function withTrial(run, how = {}) {
+  await withPage(async (page, fake) => {
+    fake.sendState({ tick: 3, device_m: kStart_m, proxy_scene_m: [-0.03, 0.03, 0] });
+    await button(page, "Go on").click();
+    await fake.next((m) => m.type === "next" && m.step === "block", 0);
+    fake.send(trialOf(1));
+    await untilPhase(page, how.phase ?? "running");
+    await run(page, fake);
+  }, { ...how, change: (fake) => {
+    fake.hello.checked = kChecked;
+    fake.hello.step = { ...fake.hello.step, step: "block", title: "First block", number: 1 };
+    how.change?.(fake);
+  } });
+}
+
+// Waits until the server has received a pointer message for this motion from the start, in pixels.
+async function untilTarget(fake, right_px, up_px, px_per_mm) {
+  const metres = 1e-3 / px_per_mm;
+  const wanted = [kStart_m[0] + metres * up_px, kStart_m[1] - metres * right_px, kStart_m[2]];
+  const isThere = () => {
+    const newest = fake.pointers.at(-1);
+    return newest && newest.target_m.every((x, k) => Math.abs(x - wanted[k]) < 4096 * kEpsilon);
+  };
+  for (let i = 0; !isThere(); ++i) {
+    assert.ok(i < 1500, `the target is ${fake.pointers.at(-1)?.target_m}; expected ${wanted}`);
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+}
+
+test("the course works with the keyboard alone, and consent needs the tick", async () => {
+  await withPage(async (page, fake) => {
+    const press = async (name) => { // with Tab and Enter, from where the focus is
+      for (let i = 0; i < 12; ++i) {
+        await page.keyboard.press("Tab");
+        const text = await page.evaluate(() => document.activeElement.textContent || document.activeElement.type);
+        if (text !== name) continue;
+        await page.keyboard.press(name === "checkbox" ? "Space" : "Enter");
+        return;
+      }
+      assert.fail(`Tab does not reach ${name}`);
+    };
+    const information = "First paragraph.\n\nSecond <b>one</b>.";
+    fake.sendStep({ step: "information", title: "Welcome", text: information });
+    await page.getByRole("heading", { name: "Welcome" }).waitFor();
+    assert.deepEqual(await page.locator("#screen .text").allTextContents(), information.split("\n\n"));
+    assert.equal(await page.locator("#screen b").count(), 0, "tags are text");
+    await press("Go on");
+    assert.equal((await fake.next(ofType("next"), 0)).step, "information");
+    fake.sendStep({ step: "consent", title: "Consent", text: "Do you agree?" });
+    await untilStep(page, "consent");
+    assert.ok(await button(page, "I agree").isDisabled());
+    await press("checkbox");
+    await press("I agree");
+    assert.equal((await fake.next(ofType("consent"), 0)).value, true);
+    fake.sendStep({ step: "about", title: "About you", about: ["age", "hand"] });
+    await untilStep(page, "about");
+    await page.keyboard.press("Tab");
+    await page.keyboard.type(" 31 ");
+    await press("Go on");
+    assert.deepEqual((await fake.next(ofType("about"), 0)).answers, { age: "31" });
+    fake.refusal = "not now";
+    fake.sendStep({ step: "debriefing", title: "Thank you" });
+    await untilStep(page, "debriefing");
+    await press("Go on");
+    await page.locator("#notice").filter({ hasText: "not now" }).waitFor();
+  });
+});
+
+test("who refuses to take part says so with one button", async () => {
+  await withPage(async (page, fake) => {
+    fake.sendStep({ step: "consent", title: "Consent" });
+    await button(page, "I do not want to take part").click();
+    assert.equal((await fake.next(ofType("consent"), 0)).value, false);
+    fake.sendStep({ step: "refused", title: "Good bye" });
+    await untilStep(page, "refused");
+    assert.ok(await button(page, "Stop").isHidden());
+  });
+});
+
+test("stopping asks whether to keep or to delete what was recorded", async () => {
+  for (const [name, keep] of [["Stop, and keep what was recorded", true],
+                              ["Stop, and delete what was recorded", false]]) {
+    await withPage(async (page, fake) => {
+      await button(page, "Stop").click();
+      await button(page, "Do not stop").click();
+      assert.ok(await page.locator("#stop-dialog").isHidden());
+      assert.ok(!fake.messages.some(ofType("stop")));
+      await button(page, "Stop").click();
+      await button(page, name).click();
+      assert.equal((await fake.next(ofType("stop"), 0)).keep, keep);
+    });
+  }
+});
+
+test("the input check knows lengths by a card, and whether fast strokes are longer", async () => {
+  for (const [factor, motion] of [[1.02, "unaccelerated"], [1.8, "accelerated"]]) {
+    await withPage(async (page, fake) => {
+      fake.sendStep({ step: "check", title: "Your screen" });
+      await page.getByRole("slider").focus();
+      const wished_px = 412;
+      const width = async () => Number(await page.getByRole("slider").getAttribute("aria-valuenow"));
+      const first_px = await width();
+      assert.ok(Math.abs(first_px - (kCard_mm * 96) / kInch_mm) < 1, "96 pixels an inch at first");
+      for (let left = wished_px - first_px; left !== 0; left = wished_px - (await width())) {
+        await page.keyboard.press(left >= 10 ? "Shift+ArrowRight" : "ArrowRight");
+      }
+      const box = await page.getByRole("slider").boundingBox();
+      assert.ok(Math.abs(box.width / box.height - kCard_mm / 53.98) < 0.01);
+      const css_px_per_mm = box.width / kCard_mm;
+      await button(page, "Go on").click();
+      await button(page, "Fill the screen").click();
+      await button(page, "Begin").click();
+      await page.locator(".said").filter({ hasText: "Stroke 1 of 4: slowly" }).waitFor();
+      // Events that state their own times, so that a busy machine makes no stroke slower.
+      const client = await page.context().newCDPSession(page);
+      let now_s = Date.now() / 1000;
+      const mouse = (type, x) => client.send("Input.dispatchMouseEvent", {
+        type, x, y: 300, button: "left", buttons: 1, clickCount: 1, timestamp: now_s });
+      const stroke = async (length_px, time_s) => {
+        now_s += 1;
+        await mouse("mouseMoved", 100);
+        await mouse("mousePressed", 100);
+        for (let i = 1; i <= 5; ++i) {
+          now_s += time_s / 5;
+          await mouse("mouseMoved", 100 + (length_px * i) / 5);
+        }
+        await mouse("mouseReleased", 100 + length_px);
+      };
+      await stroke(300, 0.3); // was to be slow
+      await page.locator(".said").filter({ hasText: "too fast" }).waitFor();
+      for (let i = 0; i < 2; ++i) {
+        await stroke(300, 2.5);
+        await stroke(factor * 300, 0.3);
+      }
+      await page.locator(".said").filter({ hasText: factor < 1.25 ? "same way" : "farther" }).waitFor();
+      await button(page, "Go on").click();
+      const checked = await fake.next(ofType("checked"), 0);
+      assert.equal(checked.input, "mouse");
+      assert.equal(checked.motion, motion);
+      assert.ok(Math.abs(checked.stroke_ratio - factor) < 0.02, `${checked.stroke_ratio}`);
+      assert.ok(Math.abs(checked.css_px_per_mm - css_px_per_mm) < 0.02);
+      assert.equal(checked.device_pixel_ratio, 1);
+      assert.equal(typeof checked.unadjusted, "boolean");
+      assert.ok(checked.refresh_Hz > 0);
+    });
+  }
+});
+
+test("a pen needs no strokes, and a participant chooses among the inputs of the plan", async () => {
+  await withPage(async (page, fake) => {
+    fake.sendStep({ step: "check", title: "Your screen" });
+    await button(page, "Pen").click();
+    await button(page, "Go on").click();
+    await button(page, "Fill the screen").click();
+    const checked = await fake.next(ofType("checked"), 0);
+    assert.deepEqual([checked.input, checked.motion, checked.unadjusted], ["pen", "unaccelerated", null]);
+  }, { change: (fake) => (fake.hello.inputs = ["mouse", "pen"]) });
+});
+
+for (const deviceScaleFactor of [1, 1.5, 2]) {
+  test(`at ${100 * deviceScaleFactor} %, 100 px move the frame by the calibrated length, and no motion is lost`,
+       async () => {
+    await withTrial(async (page, fake) => {
+      assert.equal((await fake.next(ofType("ready"), 0)).trial, 1);
+      assert.equal(fake.scenes, 1);
+      await untilTarget(fake, 0, 0, 5);
+      // The picture: a metre has these many pixels, and the frame moves by as many pixels as the pointer.
+      assert.ok(Math.abs((await page.evaluate(() => window.palpate.pixels_per_m())) - 5000) < 5000 * 4 * kEpsilon);
+      await page.mouse.move(500, 300);
+      fake.pointers.length = 0;
+      fake.send({ type: "trial_end", number: 1 });
+      fake.send(trialOf(2));
+      await until(page, () => window.palpate.phase() === "running");
+      await untilTarget(fake, 0, 0, 5);
+      await page.mouse.move(600, 300);
+      await untilTarget(fake, 100, 0, 5);
+      await page.mouse.move(600, 260, { steps: 40 });
+      await untilTarget(fake, 100, 40, 5);
+      // Many small motions while the page is busy, so that the browser joins events.
+      await page.evaluate(() => {
+        const busy = setInterval(() => {
+          for (const end = performance.now() + 40; performance.now() < end;);
+        }, 60);
+        setTimeout(() => clearInterval(busy), 2000);
+      });
+      const client = await page.context().newCDPSession(page);
+      await Promise.all(Array.from({ length: kEvents }, (_, i) => client.send("Input.dispatchMouseEvent", {
+        type: "mouseMoved", x: 600 - 0.45 * (i + 1), y: 260 + 0.15 * (i + 1) }))); // without waiting for each
+      await untilTarget(fake, 100 - 0.45 * kEvents, 40 - 0.15 * kEvents, 5);
+      assert.ok(fake.pointers.every(({ holds }) => holds));
+      const sequences = fake.pointers.map(({ sequence }) => sequence);
+      assert.ok(sequences.every((n, i) => i === 0 || n > sequences[i - 1]), "sequences count up");
+      assert.equal(fake.scenes, 1, "the same object is not fetched again");
+    }, { options: { context: { deviceScaleFactor } },
+         change: (fake) => (fake.hello.checked = { ...kChecked, device_pixel_ratio: deviceScaleFactor }) });
+  });
+}
+
+test("a trial of another object fetches it, and the times of pictures are told", async () => {
+  await withTrial(async (page, fake) => {
+    const { times_ms } = await fake.next((m) => m.type === "frames" && m.times_ms.length > 0, 0);
+    assert.ok(times_ms.every((t, i) => i === 0 || t > times_ms[i - 1]) && times_ms.length <= 100);
+    fake.send({ type: "trial_end", number: 1 });
+    fake.send(trialOf(2, 1));
+    await fake.next((m) => m.type === "ready" && m.trial === 2, 0);
+    assert.equal(fake.scenes, 2);
+    fake.send({ type: "ring", p_scene_m: [0, 0, 0] });
+    await page.locator(".ring").filter({ hasText: "blue ring" }).waitFor();
+    await page.screenshot({ path: join(pictureFolder(), "course_trial.png") });
+    fake.send({ type: "ring", p_scene_m: null });
+    await until(page, () => document.querySelector(".ring").textContent === "");
+  });
+});
+
+test("who frees the pointer ends the trial, is told so, and can go on, pause or stop", async () => {
+  await withTrial(async (page, fake) => {
+    await page.evaluate(() => document.exitPointerLock()); // as Esc does
+    assert.equal((await fake.next(ofType("left"), 0)).why, "pointer_lock");
+    await untilPhase(page, "left");
+    const count = fake.pointers.length;
+    await page.screenshot({ path: join(pictureFolder(), "course_left.png") });
+    await button(page, "Pause").last().click();
+    await fake.next(ofType("pause"), 0);
+    fake.sendStep({ step: "paused", title: "Pause" });
+    await untilStep(page, "paused");
+    await button(page, "Go on").click();
+    await fake.next(ofType("go_on"), 0);
+    fake.send(trialOf(2));
+    await untilPhase(page, "running");
+    assert.ok(fake.pointers.length > count);
+    await page.evaluate(() => document.exitFullscreen());
+    await fake.next((m) => m.type === "left" && ["full_screen", "pointer_lock"].includes(m.why));
+    assert.equal(fake.messages.filter(ofType("left")).length, 2, "once for each trial");
+    fake.send(trialOf(3)); // repeated: waits for a click
+    await untilPhase(page, "waiting");
+    await button(page, "Go on").click();
+    await fake.next((m) => m.type === "ready" && m.trial === 3, 0);
+    await untilPhase(page, "running");
+    await page.evaluate(() => dispatchEvent(new Event("blur")));
+    assert.equal((await fake.next((m) => m.type === "left" && m.why === "focus", 0)).why, "focus");
+  });
+});
+
+test("who frees the pointer between two trials is asked to go on, and no trial was interrupted", async () => {
+  await withTrial(async (page, fake) => {
+    fake.send({ type: "trial_end", number: 1 });
+    await untilPhase(page, "between");
+    await page.evaluate(() => document.exitPointerLock());
+    await button(page, "Go on").click();
+    await until(page, () => document.querySelector(".overlay").hidden);
+    fake.send(trialOf(2));
+    await fake.next((m) => m.type === "ready" && m.trial === 2, 0);
+    await untilPhase(page, "running");
+    assert.ok(!fake.messages.some(ofType("left")));
+  });
+});
+
+test("a board moves without the pointer, and its participant can pause", async () => {
+  await withTrial(async (page, fake) => {
+    await page.mouse.move(300, 300);
+    await fake.next(ofType("frames"));
+    assert.equal(fake.pointers.length, 0);
+    await button(page, "Pause").click();
+    await fake.next(ofType("pause"), 0);
+  }, { change: (fake) => {
+    fake.hello.inputs = ["board"];
+    fake.hello.checked = { ...kChecked, input: "board" };
+  } });
+});
+
+test("a finger moves the device as far as it moves itself, and each press is one hold", async () => {
+  await withTrial(async (page, fake) => {
+    const client = await page.context().newCDPSession(page);
+    const touch = (type, ...points) => client.send("Input.dispatchTouchEvent", {
+      type, touchPoints: points.map(([x, y]) => ({ x, y })) });
+    await touch("touchStart", [300, 300]);
+    await touch("touchMove", [330, 280]);
+    await untilTarget(fake, 30, 20, 5);
+    assert.ok(fake.pointers.at(-1).holds);
+    await touch("touchEnd");
+    for (let i = 0; fake.pointers.at(-1).holds; ++i) {
+      assert.ok(i < 1500);
+      await new Promise((resolve) => setTimeout(resolve, 20));
+    }
+    await touch("touchStart", [600, 100]);
+    await touch("touchMove", [605, 100]);
+    await untilTarget(fake, 35, 20, 5);
+    await touch("touchEnd");
+  }, { options: { context: { hasTouch: true } }, change: (fake) => {
+    fake.hello.inputs = ["touch"];
+    fake.hello.checked = { ...kChecked, input: "touch" };
+  } });
+});
+
+test("a reload or a cut connection comes back to the step of the server", async () => {
+  await withTrial(async (page, fake) => {
+    fake.hello.step = { ...fake.hello.step, step: "paused", title: "Pause" };
+    fake.cut();
+    await untilStep(page, "paused");
+    assert.ok(await page.locator("#trial").isHidden());
+    await page.reload();
+    await until(page, () => window.palpate?.step() === "paused");
+    await button(page, "Go on").click();
+    fake.send(trialOf(4));
+    await untilPhase(page, "running");
+    assert.ok((await page.evaluate(() => window.palpate.pixels_per_m())) === 5000, "the calibration is kept");
+  });
+});
+
+test("each word of the page is used", () => {
+  const folder = join(kProject, "engine/viewer/page");
+  const source = readdirSync(folder).filter((name) => name.endsWith(".ts"))
+    .map((name) => readFileSync(join(folder, name), "utf8")).join("\n");
+  const made = /^(stroke_(slow|fast|too_\w+)|about_(age|gender|hand|experience|left|right|both))$/; // by parts
+  const words = JSON.parse(readFileSync(join(folder, "live_words.json"), "utf8"));
+  assert.deepEqual(Object.keys(words).filter((key) => !made.test(key) && !source.includes(`"${key}"`)), []);
+});
+
+test("the words, the language and the direction are those of the server", async () => {
+  await withPage(async (page, fake) => {
+    const [lang, dir] = await page.evaluate(() => [document.documentElement.lang, document.documentElement.dir]);
+    assert.deepEqual([lang, dir, await page.title()], ["he", "rtl", "\u05e0\u05d9\u05e1\u05d5\u05d9"]);
+    await button(page, "\u05d4\u05de\u05e9\u05da").click();
+    await fake.next(ofType("next"), 0);
+    fake.sendStep({ step: "check", title: "\u05de\u05e1\u05da" });
+    const before = await page.getByRole("slider").boundingBox();
+    await page.mouse.move(before.x + 20, before.y + 40);
+    await page.mouse.down();
+    await page.mouse.move(before.x - 30, before.y + 40); // the card begins at the right
+    await page.mouse.up();
+    const now = await page.getByRole("slider").boundingBox();
+    assert.ok(Math.abs(now.width - before.width - 50) < 1, `${before.width} to ${now.width}`);
+    await page.screenshot({ path: join(pictureFolder(), "course_rtl.png") });
+  }, { change: (fake) => Object.assign(fake.hello, {
+    language: "he", direction: "rtl",
+    words: { page_title: "\u05e0\u05d9\u05e1\u05d5\u05d9", go_on: "\u05d4\u05de\u05e9\u05da", unknown_key: "x" },
+  }) });
+});
+
+// The texts on the page whose contrast to their background is below kContrast, and what does not fit into the
+// window.
+function faultsOf(page) {
+  return page.evaluate((least) => {
+    const numbers = (colour) => colour.match(/[0-9.]+/g).map(Number);
+    const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255)
+      .map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
+      .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
+    const backgroundOf = (element) => {
+      for (let e = element; e; e = e.parentElement) {
+        const [r, g, b, a = 1] = numbers(getComputedStyle(e).backgroundColor);
+        if (a === 1) return [r, g, b];
+        if (a !== 0) return [NaN, NaN, NaN]; // a mixture: is not used
+      }
+      return [NaN, NaN, NaN];
+    };
+    const faults = [];
+    if (document.documentElement.scrollWidth > innerWidth) faults.push("the page is wider than the window");
+    for (const element of document.querySelectorAll("body *")) {
+      const box = element.getBoundingClientRect();
+      if (box.width === 0 || !element.checkVisibility()) continue;
+      if (box.left < -1 || box.right > innerWidth + 1) faults.push(`${element.className} reaches out`);
+      const hasText = [...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim() !== "");
+      if (!hasText) continue;
+      const [a, b] = [luminance(numbers(getComputedStyle(element).color)), luminance(backgroundOf(element))];
+      const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+      if (!(contrast >= least)) faults.push(`"${element.textContent}" has a contrast of ${contrast}`);
+    }
+    return faults;
+  }, kContrast);
+}
+
+const kText = "Sentences of a text that a plan states, which are long enough for more than one line. ".repeat(6);
+const kSteps = [
+  { step: "information", title: "What this is about", text: `${kText}\n\n${kText}` },
+  { step: "consent", title: "Consent", text: kText },
+  { step: "check", title: "Your screen and your mouse" },
+  { step: "about", title: "About you", about: ["age", "gender", "hand", "experience"] },
+  { step: "block", title: "Second block", text: kText, number: 2 },
+  { step: "break", title: "A break", text: "Look out of the window.", remaining_s: 95, may_go_on: false },
+  { step: "paused", title: "Pause" },
+  { step: "stopped", title: "You have stopped", text: kText },
+];
+for (const [width, height, theme] of [[1024, 700, "light"], [1920, 1080, "dark"], [3840, 2160, "light"],
+                                      [1024, 700, "dark"]]) {
+  test(`the screens fit into ${width} x ${height}, ${theme}, with enough contrast`, async () => {
+    await withPage(async (page, fake) => {
+      for (const step of kSteps) {
+        fake.sendStep(step);
+        await untilStep(page, step.step);
+        await page.screenshot({ path: join(pictureFolder(), `course_${step.step}_${width}_${theme}.png`) });
+        assert.deepEqual(await faultsOf(page), [], step.step);
+        if (step.step === "break") {
+          fake.send({ type: "status", paused: false, remaining_s: 3000 });
+          await page.locator(".countdown").filter({ hasText: /50:00|49:5[0-9]/ }).waitFor();
+        }
+        if (step.step !== "paused") continue;
+        await button(page, "Stop").click();
+        assert.deepEqual(await faultsOf(page), [], "the dialog");
+        await page.screenshot({ path: join(pictureFolder(), `course_dialog_${width}_${theme}.png`) });
+      }
+    }, { options: { viewport: { width, height }, theme } });
+  });
+}
