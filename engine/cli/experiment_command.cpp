@@ -16,6 +16,8 @@
 #include "engine/cli/command_line.h"
 #include "engine/cli/command_output.h"
 #include "engine/cli/experiment_export.h"
+#include "engine/cli/experiment_forget.h"
+#include "engine/cli/experiment_live.h"
 #include "engine/cli/experiment_power.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/placed_results.h"
@@ -141,6 +143,12 @@ int run_experiment_plan(const ExperimentPlan& plan, const DealtSettings& setting
 }
 
 int run_plan(const ExperimentRunRequest& request) {
+  std::error_code failed;
+  if (fs::exists(fs::path(request.out_dir) / "participants", failed)) {
+    return refuse({ErrorCode::kFileUnwritable, request.out_dir, "",
+                   "has trials of people (`experiment live`); expected another folder",
+                   "choose one with --out"});
+  }
   const auto settings = dealt_settings(request.out_dir, request.shard, request.jobs);
   if (!settings) return refuse(settings.error());
   const auto canonical = load_canonical_plan(request.plan);
@@ -186,9 +194,9 @@ struct ExperimentPlanRequest {
 int write_plan(const ExperimentPlanRequest& request) {
   const bool is_canonical = request.name == kCanonicalPlan;
   const bool is_sweep = request.name == kShippedSweep;
-  if (request.name != kPaperPlan && !is_canonical && !is_sweep) {
+  if (!is_shipped_plan(request.name) && !is_canonical && !is_sweep) {
     return refuse(invalid_argument(
-        "NAME", "is \"" + request.name + "\"; expected " + std::string(kPaperPlan) + ", " +
+        "NAME", "is \"" + request.name + "\"; expected paper, paper-live, paper-live-mouse, " +
                     std::string(kCanonicalPlan) + " or " + std::string(kShippedSweep)));
   }
   const std::string path = request.out_path.empty() ? request.name + ".json" : request.out_path;
@@ -201,7 +209,7 @@ int write_plan(const ExperimentPlanRequest& request) {
   const std::string folder = fs::path(path).parent_path().string();
   const auto text = is_canonical ? Result<std::string>(std::string(shipped_canonical()))
                     : is_sweep   ? shipped_sweep_for(folder)
-                                 : paper_plan_for(folder);
+                                 : shipped_plan_for(request.name, folder);
   if (!text) return refuse(text.error());
   auto file = WholeFile::create(path);
   if (!file) return refuse(file.error());
@@ -220,10 +228,11 @@ void add_plan(CLI::App& experiment, ExperimentPlanRequest& request) {
            "  ./run.sh experiment plan canonical --out wall.json\n"
            "  ./run.sh experiment plan sweep --out sweep.json\n",
            "The paths of the objects in the plan lead from the plan's folder to the models.\n");
-  app.add_option(
-         "NAME", request.name,
-         "paper: the paper's experiment; canonical: a wall at an angle to the motor; sweep: "
-         "other assumptions about the hand")
+  app.add_option("NAME", request.name,
+                 "paper: the paper's experiment; paper-live and paper-live-mouse: the same for "
+                 "people, with "
+                 "a board or a mouse; canonical: a wall at an angle to the motor; sweep: "
+                 "other assumptions about the hand")
       ->required();
   app.add_option("--out", request.out_path, "file to write; it must not exist [NAME.json]");
 }
@@ -371,6 +380,8 @@ class ExperimentCommand final : public Command {
     add_analyse(*app_, analyse_);
     add_power(*app_, power_);
     add_export(*app_, export_);
+    add_live(*app_, live_);
+    add_forget(*app_, forget_);
     return app_;
   }
 
@@ -381,6 +392,8 @@ class ExperimentCommand final : public Command {
     if (app_->got_subcommand("plan")) return write_plan(plan_);
     if (app_->got_subcommand("power")) return run_power(power_);
     if (app_->got_subcommand("export")) return run_export(export_);
+    if (app_->got_subcommand("live")) return run_live(live_);
+    if (app_->got_subcommand("forget")) return run_forget(forget_);
     return merge(merge_);
   }
 
@@ -393,6 +406,8 @@ class ExperimentCommand final : public Command {
   ExperimentMergeRequest merge_;
   ExperimentPowerRequest power_;
   ExperimentExportRequest export_;
+  ExperimentLiveRequest live_;
+  ExperimentForgetRequest forget_;
 };
 
 }  // namespace

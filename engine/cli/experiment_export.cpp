@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, 3> kExportParts = {"recordings", "notes",
 constexpr const char* kQuestionnairesFile = "questionnaires.csv";
 constexpr const char* kPlanCopy = "plan.json";
 constexpr const char* kTextsCopy = "texts.json";
+constexpr const char* kJournalFile = "journal.txt";
 // The answers of about.json: key, and meaning of the column.
 constexpr std::array<std::array<std::string_view, 2>, 4> kAboutItems = {
     {{"age", "age in years, as the participant stated it"},
@@ -331,13 +332,14 @@ std::vector<DescribedColumn> columns_of(const Exported& exported) {
   return columns;
 }
 
-// The files of a participant's folder that a name must end with, sorted.
-std::vector<fs::path> files_in(const fs::path& folder, std::string_view ending) {
+// The complete recordings in a folder, sorted. Those that are being written have ".part" in their
+// names.
+std::vector<fs::path> recordings_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code failed;
   for (const auto& entry : fs::directory_iterator(folder, failed)) {
-    const bool fits = entry.path().filename().string().ends_with(ending);
-    if (fits && entry.is_regular_file(failed)) files.push_back(entry.path());
+    const bool is_complete = entry.path().filename().string().find(".part") == std::string::npos;
+    if (is_complete && entry.is_regular_file(failed)) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -349,12 +351,13 @@ void add_requested(const ExperimentExportRequest& request, const Exported& expor
     std::string subject = psych_ds_file(number, "x");
     subject.erase(subject.find('_'));
     if (has(request, "recordings")) {
-      for (const fs::path& file : files_in(of_participant / "recordings", ".palrec")) {
+      for (const fs::path& file : recordings_in(of_participant / "recordings")) {
         folder.copy(file, fs::path("data/recordings") / subject / file.filename());
       }
     }
-    if (has(request, "notes") && is_there(of_participant / "journal")) {
-      folder.copy(of_participant / "journal", fs::path("documentation/journals") / subject);
+    if (has(request, "notes") && is_there(of_participant / kJournalFile)) {
+      folder.copy(of_participant / kJournalFile,
+                  fs::path("documentation/journals") / (subject + ".txt"));
     }
   }
   if (has(request, "recordings")) folder.add(".psychds-ignore", "data/recordings/\n");

@@ -284,9 +284,7 @@ void take_strategy(RunRequest& request) {
   if (strategy) request.a4 = has_a4(*strategy) ? A4Runs::kOn : A4Runs::kOff;
 }
 
-void describe_device(const DeviceDescription& device, const IsGiven& is_given,
-                     RunRequest& request) {
-  RunSettings& settings = request.options.settings;
+void set_device(const DeviceDescription& device, RunSettings& settings) {
   settings.device = device;
   const double side_m = device.workspace_high_m[0] - device.workspace_low_m[0];
   settings.device.workspace_low_m[2] = -0.5 * side_m;
@@ -294,6 +292,12 @@ void describe_device(const DeviceDescription& device, const IsGiven& is_given,
   settings.sensors = device.sensed_axes;
   settings.default_actuators = device.motor_count;
   if (device.encoder_quantum_m > 0.0) settings.encoder_quantum_m = device.encoder_quantum_m;
+}
+
+void describe_device(const DeviceDescription& device, const IsGiven& is_given,
+                     RunRequest& request) {
+  RunSettings& settings = request.options.settings;
+  set_device(device, settings);
   if (!is_given("--rate")) settings.rate_Hz = device.rate_Hz;
   if (!is_given("--stiffness")) request.options.has_auto_stiffness = true;
   settings.haptics.a4.enabled = request.a4 == A4Runs::kOn;

@@ -32,6 +32,8 @@ void take_strategy(RunRequest& request);
 
 // The settings of a run with the properties of the device. The device has no workspace across its
 // plane; the scene may have any height there.
+void set_device(const DeviceDescription& device, RunSettings& settings);
+// The same, with the rate and the stiffness of the device unless the command line gives them.
 void describe_device(const DeviceDescription& device, const IsGiven& is_given, RunRequest& request);
 
 // Requires check_device_options(), and a device. Returns the exit code.

@@ -9,7 +9,6 @@
 #include <optional>
 #include <sstream>
 #include <string>
-#include <sys/resource.h>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -21,6 +20,7 @@
 #include "engine/cli/number_option.h"
 #include "engine/cli/open_browser.h"
 #include "engine/cli/open_device.h"
+#include "engine/cli/page_server.h"
 #include "engine/cli/page_stiffness.h"
 #include "engine/cli/prepared_run.h"
 #include "engine/cli/private_output.h"
@@ -64,19 +64,6 @@ struct ViewRequest {
   bool prints_licences = false;
 };
 
-// As a browser writes it, on this machine.
-std::string address_of(const ViewRequest& request, const ViewServer& server) {
-  std::string host = request.server.address;
-  if (host == "0.0.0.0" || host == "::") host = "localhost";
-  if (host.find(':') != std::string::npos) host = "[" + host + "]";
-  return "http://" + host + ":" + std::to_string(server.port()) + "/#" + server.token().text();
-}
-
-Error no_page() {
-  return {ErrorCode::kUnsupported, "", "view", "is not complete: the program has no page",
-          "run ./run.sh view, which installs npm if it is missing and builds the page"};
-}
-
 void warn(const std::string& warning) {
   std::cerr << "palpate: warning: " << printable(warning) << "\n";
 }
@@ -106,20 +93,10 @@ std::optional<Error> take_origins(ViewRequest& request) {
   return std::nullopt;
 }
 
-// Each connection is an open file. What the system allows a process at first is often less than a
-// crowd of strangers holds.
-void allow_many_files() {
-  constexpr rlim_t kEnough = 4096;
-  rlimit files{};
-  if (::getrlimit(RLIMIT_NOFILE, &files) != 0 || files.rlim_cur >= kEnough) return;
-  files.rlim_cur = std::min(kEnough, files.rlim_max);
-  ::setrlimit(RLIMIT_NOFILE, &files);  // the server lives with fewer
-}
-
 // The address on this machine is the first line.
 void print_addresses(const ViewRequest& request, const ViewServer& server) {
   const auto told = make_output_private();
-  std::cout << address_of(request, server) << std::endl;
+  std::cout << page_address(request.server, server) << std::endl;
   for (const WebOrigin& origin : request.server.allowed.origins) {
     std::cout << "through a proxy: " << origin.text() << "/#" << server.token().text()
               << " (with the proxy's path before #)" << std::endl;
@@ -136,13 +113,8 @@ void print_ticks(const HapticThread& thread) {
 // warnings: about the scene.
 std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
                            const std::vector<std::string>& warnings, ViewSession& session) {
-  allow_many_files();
-  const auto server = ViewServer::listen(request.server, page, session);
-  if (!server) {
-    Error error = server.error();
-    error.element = "--" + error.element;
-    return error;
-  }
+  const auto server = listen_for_pages(request.server, page, session);
+  if (!server) return server.error();
   if (const auto problem = ViewServer::files_problem()) warn(*problem);
   if (!is_loopback(request.server.address)) {
     warn(
@@ -161,7 +133,7 @@ std::optional<Error> serve(const ViewRequest& request, const PageFiles& page,
   for (const std::string& warning : session.warnings()) warn(warning);
   std::unique_ptr<OpenedBrowser> browser;
   if (request.opens_browser) {
-    auto opened = OpenedBrowser::open(address_of(request, **server));
+    auto opened = OpenedBrowser::open(page_address(request.server, **server));
     if (opened) {
       browser = std::move(*opened);
     } else {

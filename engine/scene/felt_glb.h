@@ -10,6 +10,9 @@
 
 namespace palpate {
 
+// A scene with more triangles is simplified for the display.
+inline constexpr std::size_t kMostShownTriangles = 300'000;
+
 struct FeltGlb {
   std::string bytes;
   std::size_t triangles = 0;        // of the scene, summed over its bodies

@@ -161,8 +161,8 @@ Result<ExperimentScene> load_experiment_scene(const ExperimentPlan& plan, const 
   auto way = functions.find_way(*scene, *setup, plan.trial);
   if (!way) return way_error(way.error(), plan, object, *scene, *setup);
   const std::uint64_t geometry_hash = hash_of_geometry(*scene);
-  return ExperimentScene{std::move(*scene), std::move(*setup), std::move(*way), *file_hash,
-                         geometry_hash};
+  return ExperimentScene{std::move(*scene), std::move(settings), std::move(*setup),
+                         std::move(*way),   *file_hash,          geometry_hash};
 }
 
 // The most persons whose starts are examined; more would take longer than a trial.

@@ -28,7 +28,8 @@ struct TrialFunctions {
 // An object, ready for trials.
 struct ExperimentScene {
   Scene scene;
-  RunSetup setup;  // with the height of the plane, and before the turn of a variant
+  SceneSettings settings;  // with which it was loaded
+  RunSetup setup;          // with the height of the plane, and before the turn of a variant
   TrialWay way;
   std::uint64_t file_hash;      // of the bytes of the file
   std::uint64_t geometry_hash;  // of the triangles in the scene frame, in metres

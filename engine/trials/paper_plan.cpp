@@ -79,18 +79,25 @@ Result<std::string> models_folder() {
                "run the program in the folder of the project"};
 }
 
-std::string paper_plan_text(const std::string& objects_folder) {
-  return with_folder(std::string(shipped_paper()), objects_folder);
+bool is_shipped_plan(std::string_view name) {
+  return std::find(kShippedPlans.begin(), kShippedPlans.end(), name) != kShippedPlans.end();
+}
+
+std::string shipped_plan_text(std::string_view name, const std::string& objects_folder) {
+  const std::string_view text = name == kShippedPlans[1]   ? shipped_paper_live()
+                                : name == kShippedPlans[2] ? shipped_paper_live_mouse()
+                                                           : shipped_paper();
+  return with_folder(std::string(text), objects_folder);
 }
 
 std::string shipped_sweep_text(const std::string& objects_folder) {
   return with_folder(std::string(shipped_sweep()), objects_folder);
 }
 
-Result<std::string> paper_plan_for(const std::string& folder) {
+Result<std::string> shipped_plan_for(std::string_view name, const std::string& folder) {
   const auto models = models_from(folder);
   if (!models) return models.error();
-  return paper_plan_text(*models);
+  return shipped_plan_text(name, *models);
 }
 
 Result<std::string> shipped_sweep_for(const std::string& folder) {

@@ -290,6 +290,46 @@ void read_factors(ObjectReader& reader, ExperimentPlan& plan) {
   }
 }
 
+// A pointer cannot push. Which levels a board renders depends on its motors, which are known when
+// it is opened.
+void check_live_levels(ObjectReader& reader, const ExperimentPlan& plan) {
+  if (plan.live->input == PlanInput::kBoard) return;
+  for (std::size_t i = 0; i < plan.haptic.size(); ++i) {
+    if (kHapticLevels[plan.haptic[i]].value == ForceMode::kNone) continue;
+    return reader.fail(plan_error(reader.element_of("haptic") + "/" + std::to_string(i),
+                                  "is " + std::string(kHapticNames[plan.haptic[i]]) +
+                                      ", which a mouse, pen or finger cannot render; expected NoH",
+                                  "leave the level out, or state \"board\" in /live/input"));
+  }
+}
+
+void read_live(ObjectReader& reader, const std::string& folder, ExperimentPlan& plan) {
+  const Json* const found = reader.find("live", Key::kOptional);
+  if (!found) return;
+  const std::string element = reader.element_of("live");
+  auto live = read_live_plan(*found, element, folder);
+  if (!live) return reader.fail(live.error());
+  plan.live = std::move(*live);
+  if (!plan.strategies.empty()) {
+    return reader.fail(plan_error(element,
+                                  "is in a plan with strategies; expected haptic and "
+                                  "rotation"));
+  }
+  if (plan.variants().size() != 1 || plan.views.front() != View::kTurning) {
+    return reader.fail(plan_error(
+        element,
+        "is in a plan with several views, start orientations or scales, or with another "
+        "view than turning; expected one of each: a person takes part in one experiment"));
+  }
+  if (plan.live->has_questionnaire && plan.order != ConditionOrder::kWilliams) {
+    return reader.fail(plan_error(element + "/questionnaire",
+                                  "is true in a plan with the order random; expected the order "
+                                  "williams, in which the trials of a condition follow each other",
+                                  "state \"order\": \"williams\", or leave the questionnaire out"));
+  }
+  check_live_levels(reader, plan);
+}
+
 void check_trials(ObjectReader& reader, const ExperimentPlan& plan) {
   if (!reader.ok()) return;
   const std::uint64_t trials =
@@ -398,6 +438,7 @@ Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path
   }
   ExperimentPlan plan;
   plan.path = path;
+  plan.text = text;
   ObjectReader reader(*json, "");
   read_protocol(reader, plan);
   read_device(reader, plan);
@@ -409,6 +450,7 @@ Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path
   read_order(reader, plan);
   read_objects(reader, folder, plan);
   read_plan_operator(reader, folder, plan.person);
+  read_live(reader, folder, plan);
   check_trials(reader, plan);
   if (auto error = reader.finish()) {
     if (error->path.empty()) error->path = path;
@@ -420,10 +462,10 @@ Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path
 }
 
 Result<ExperimentPlan> load_plan(const std::string& name_or_path) {
-  if (name_or_path == kPaperPlan) {
+  if (is_shipped_plan(name_or_path)) {
     const auto folder = models_folder();
     if (!folder) return folder.error();
-    return parse_plan(paper_plan_text(""), name_or_path, *folder);
+    return parse_plan(shipped_plan_text(name_or_path, ""), name_or_path, *folder);
   }
   const auto text = read_settings_text(name_or_path);
   if (!text) return text.error();

@@ -13,6 +13,7 @@
 #include "engine/scene/scene.h"
 #include "engine/session/run_setup.h"
 #include "engine/trials/levels.h"
+#include "engine/trials/live_plan.h"
 #include "engine/trials/operator_file.h"
 #include "engine/trials/strict_json.h"
 #include "engine/trials/trial.h"
@@ -96,6 +97,8 @@ struct PlanVariant {
 //                    without their objects
 //   [learning_exponent]  b: in block n, counted from 0 for practice, a person has
 //                    speed_m_per_s times (n + 1)^b and intention_noise_m times (n + 1)^-b; [0]
+//   [live]           what people see who take part (live_plan.h); the plan then has one view,
+//                    turning, one start orientation and one scale, and no strategies
 struct ExperimentPlan {
   std::string path;  // as the caller named it
   std::string name;
@@ -116,6 +119,8 @@ struct ExperimentPlan {
   std::vector<double> scale = {1.0};
   ConditionOrder order = ConditionOrder::kRandom;
   double learning_exponent = 0.0;
+  std::optional<LivePlan> live;
+  std::string text;  // of the file, byte by byte
   // The content of the plan without the parts that may differ between machines: the JSON with
   // sorted keys and with the name of the operator, without blanks and without paths of objects.
   // `hash` is its hash.
@@ -144,7 +149,7 @@ struct ExperimentPlan {
 Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path,
                                   const std::string& folder);
 
-// name_or_path: "paper", the plan that ships (paper_plan.h), or the path of a file.
+// name_or_path: a plan that ships (kShippedPlans in paper_plan.h), or the path of a file.
 Result<ExperimentPlan> load_plan(const std::string& name_or_path);
 
 }  // namespace palpate

@@ -32,6 +32,10 @@ class TrialClock final : public TickObserver {
   void on_tick(const TickRecord& record) noexcept override;
 
   bool has_started() const { return has_started_; }
+  // After the start: the place on the contour that the contact has reached, along the way.
+  double along_m() const { return place_.along_m(); }
+  // The last tick was a contact that moved or confirmed the place.
+  bool is_on_way() const { return was_good_; }
   bool is_over() const { return status_.has_value(); }
   // Requires is_over().
   TrialStatus status() const { return *status_; }

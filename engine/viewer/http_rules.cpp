@@ -48,10 +48,12 @@ bool is_own_page(const HttpHead& head, const WebHost& host, HostKind kind,
   return kind == HostKind::kOwn && *origin == own;
 }
 
-bool has_token(const HttpHead& head, const Token& token) {
-  if (!head.tokens.empty()) return head.tokens.size() == 1 && token.equals(head.tokens.front());
+bool has_token(const HttpHead& head, std::span<const Token> tokens) {
+  if (!head.tokens.empty()) {
+    return head.tokens.size() == 1 && place_of(head.tokens.front(), tokens);
+  }
   return head.authorizations.size() == 1 && head.authorizations.front().starts_with(kBearer) &&
-         token.equals(head.authorizations.front().substr(kBearer.size()));
+         place_of(head.authorizations.front().substr(kBearer.size()), tokens);
 }
 
 }  // namespace
@@ -72,7 +74,8 @@ std::optional<std::string> host_name(std::string_view host) {
   return std::move(parsed->name);
 }
 
-HttpVerdict judge(const HttpHead& head, const Token& token, const AllowedNames& allowed) {
+HttpVerdict judge(const HttpHead& head, std::span<const Token> tokens,
+                  const AllowedNames& allowed) {
   const auto refused = [](int status, std::string_view reason) {
     return HttpVerdict{status, Resource::kPage, reason};
   };
@@ -97,7 +100,7 @@ HttpVerdict judge(const HttpHead& head, const Token& token, const AllowedNames& 
     return refused(426, "/live is a WebSocket");
   }
   if (resource != Resource::kLive && head.upgrades) return refused(404, "only /live upgrades");
-  if (is_secret(resource) && !has_token(head, token)) {
+  if (is_secret(resource) && !has_token(head, tokens)) {
     return refused(401, "the token is missing or wrong");
   }
   return {200, resource, ""};

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -65,9 +66,9 @@ inline constexpr std::string_view kTokenHeader = "Palpate-Token";
 //   a proxy that nobody has named, the page then says so. What a proxy adds (Forwarded,
 //   X-Forwarded-Host) counts for nothing, because anybody can send it.
 // - Only GET and HEAD (405), and only the seven names (404).
-// - The scene requires the token in kTokenHeader or as `Authorization: Bearer` (401). /live
+// - The scene requires one of the tokens in kTokenHeader or as `Authorization: Bearer` (401). /live
 //   requires a handshake (426), which is a GET; its token is the first message.
-HttpVerdict judge(const HttpHead& head, const Token& token, const AllowedNames& allowed);
+HttpVerdict judge(const HttpHead& head, std::span<const Token> tokens, const AllowedNames& allowed);
 
 // True for an IP address that only this machine reaches: 127.0.0.0/8 and ::1. [::1] is not one.
 bool is_loopback(std::string_view address);

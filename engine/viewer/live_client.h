@@ -77,6 +77,7 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
 
   // The server's notes about this client.
   bool has_token = false;
+  std::size_t role = 0;          // PageRole, with has_token
   std::uint64_t next_tick = 0;   // number of the first tick that it lacks
   std::uint64_t lost_ticks = 0;  // since its last message of ticks
   std::uint64_t pointer = 0;     // sequence of its newest pointer message

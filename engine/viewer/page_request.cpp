@@ -29,27 +29,6 @@ Error refused(std::string element, std::string problem) {
   return invalid_argument(std::move(element), std::move(problem));
 }
 
-// How deep lists and objects are nested. The text need not be JSON.
-int depth_of(std::string_view text) {
-  int depth = 0;
-  int deepest = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '{' || c == '[') {
-      deepest = std::max(deepest, ++depth);
-    } else if (c == '}' || c == ']') {
-      --depth;
-    }
-  }
-  return deepest;
-}
-
 std::optional<double> finite_number(const Message& json) {
   if (!json.is_number()) return std::nullopt;
   const double number = json.get<double>();
@@ -130,9 +109,29 @@ std::optional<Error> fill(const Message& json, PageRequest& request) {
 
 }  // namespace
 
+int nesting_depth(std::string_view text) {
+  int depth = 0;
+  int deepest = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      deepest = std::max(deepest, ++depth);
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
 Result<PageRequest> parse_request(std::string_view text, std::optional<std::uint64_t>& id) {
   id.reset();
-  if (depth_of(text) > kDeepestJson) {
+  if (nesting_depth(text) > kDeepestJson) {
     return refused("message", "is nested deeper than " + std::to_string(kDeepestJson));
   }
   const Message json = Message::parse(text, nullptr, /* allow_exceptions = */ false);

@@ -29,6 +29,9 @@ struct PageRequest {
 inline constexpr int kDeepestJson = 8;
 inline constexpr std::size_t kMostAxes = 3;
 
+// How deep lists and objects of a text are nested, which need not be JSON.
+int nesting_depth(std::string_view text);
+
 // Reads one message:
 //   {"type":"token","token":"..."}, {"type":"set","id":1,"name":"a4","value":true},
 //   {"type":"take_control","id":2}, {"type":"rearm","id":3}, {"type":"pause","id":4,"value":true},

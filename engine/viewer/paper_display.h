@@ -16,8 +16,8 @@ struct DisplayedSpheres {
 };
 
 struct PaperDisplay {
-  double rate_Hz = 40.0;                        // mean rate of the pictures
-  double scale = 1.0;                           // length on the screen / length in the device frame
+  double rate_Hz = 40.0;  // mean rate of the pictures
+  double scale = 1.0;     // length on the screen / length in the device frame
   std::optional<DisplayedSpheres> spheres = {};  // no value: none are shown
 };
 

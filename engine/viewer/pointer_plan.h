@@ -9,6 +9,7 @@
 #include "engine/devices/snapshot_ring.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/viewer/messages.h"
+#include "engine/viewer/pointed_hand.h"
 
 namespace palpate {
 
@@ -20,7 +21,7 @@ namespace palpate {
 //
 // Thread-safety: one thread calls point(), let_go() and start(); target() runs on the haptic
 // thread, and the thread of an observer there may call the other functions.
-class PointerPlan final : public HandPlan {
+class PointerPlan final : public HandPlan, public PointedHand {
  public:
   static constexpr double kPatience_s = 0.3;
   static constexpr double kStartSpeed_m_per_s = 0.1;
@@ -36,10 +37,10 @@ class PointerPlan final : public HandPlan {
                     const TickRecord& last) noexcept override;
 
   // Of the last target().
-  std::uint64_t sequence() const noexcept { return used_.sequence; }
-  const Vec3& target_m() const noexcept { return target_m_; }
-  bool is_held() const noexcept { return mode_ == Mode::kHeld; }
-  bool has_target() const noexcept { return mode_ != Mode::kFree; }
+  std::uint64_t sequence() const noexcept override { return used_.sequence; }
+  const Vec3& target_m() const noexcept override { return target_m_; }
+  bool is_held() const noexcept override { return mode_ == Mode::kHeld; }
+  bool has_target() const noexcept override { return mode_ != Mode::kFree; }
 
  private:
   enum class Mode : std::uint32_t { kFree, kHeld, kStarts };

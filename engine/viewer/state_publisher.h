@@ -12,7 +12,7 @@
 #include "engine/session/live_setting.h"
 #include "engine/viewer/body_pose_ring.h"
 #include "engine/viewer/messages.h"
-#include "engine/viewer/pointer_plan.h"
+#include "engine/viewer/pointed_hand.h"
 #include "engine/viewer/tick_ring.h"
 #include "engine/viewer/tick_summary.h"
 
@@ -48,20 +48,20 @@ struct LoopValues {
 // on_tick() runs on the haptic thread; one other thread calls the other functions.
 class StatePublisher final : public TickObserver {
  public:
-  // loop: of the session. plan: of the simulated hand; null with a device that a person holds.
+  // loop: of the session. hand: that a pointer moves; null with a device that a person holds.
   // most_moving: how many bodies may move. All must outlive this object.
-  StatePublisher(const HapticLoop& loop, const PointerPlan* plan, std::size_t most_moving)
-      : loop_(loop), plan_(plan), bodies_(most_moving) {}
+  StatePublisher(const HapticLoop& loop, const PointedHand* hand, std::size_t most_moving)
+      : loop_(loop), pointed_(hand), bodies_(most_moving) {}
 
   void on_tick(const TickRecord& record) noexcept override {
     Hand hand;
     hand.tick = record.tick;
-    if (plan_ != nullptr) {
-      hand.pointer = plan_->sequence();
-      const Vec3& target_m = plan_->target_m();
+    if (pointed_ != nullptr) {
+      hand.pointer = pointed_->sequence();
+      const Vec3& target_m = pointed_->target_m();
       hand.target_m = {target_m.x(), target_m.y(), target_m.z()};
-      hand.flags = (plan_->has_target() ? kHandHasTarget : 0u) |
-                   (plan_->is_held() ? static_cast<std::uint32_t>(kHandIsHeld) : 0u);
+      hand.flags = (pointed_->has_target() ? kHandHasTarget : 0u) |
+                   (pointed_->is_held() ? static_cast<std::uint32_t>(kHandIsHeld) : 0u);
     }
     if (bodies_.capacity() > 0) bodies_.publish(record.tick, loop_);
     if (!(LoopValues::of(loop_) == newest_)) publish_loop();
@@ -107,7 +107,7 @@ class StatePublisher final : public TickObserver {
   }
 
   const HapticLoop& loop_;
-  const PointerPlan* plan_;
+  const PointedHand* pointed_;
   LoopValues newest_;
   SnapshotRing<LoopValues, 8> loops_;
   SnapshotRing<Hand> hands_;

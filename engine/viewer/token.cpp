@@ -39,4 +39,12 @@ bool Token::equals(std::string_view text) const noexcept {
   return difference == 0;
 }
 
+std::optional<std::size_t> place_of(std::string_view text, std::span<const Token> tokens) noexcept {
+  std::optional<std::size_t> place;
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    if (tokens[i].equals(text)) place = i;
+  }
+  return place;
+}
+
 }  // namespace palpate

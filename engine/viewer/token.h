@@ -2,6 +2,9 @@
 
 // The secret that a page must know to see or move anything.
 
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -26,5 +29,9 @@ class Token {
 
   std::string text_;
 };
+
+// The place of the token with this text; no value: none has it. Takes the same time whichever has
+// it.
+std::optional<std::size_t> place_of(std::string_view text, std::span<const Token> tokens) noexcept;
 
 }  // namespace palpate

@@ -63,6 +63,10 @@ std::string with_control(std::string object, bool in_control) {
   return object + ",\"control\":" + (in_control ? "true}" : "false}");
 }
 
+bool may_control(const LiveClient& client) {
+  return client.has_token && client.role == kMainPage;
+}
+
 // How many connections of each of two kinds may be open.
 std::size_t most_strangers() {
   rlimit files{};
@@ -98,7 +102,7 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   void start();
   void stop();
   std::uint16_t port() const { return port_; }
-  const Token& token() const { return token_; }
+  const Token& token(PageRole role) const { return tokens_[role]; }
 
   HttpVerdict judge(const HttpHead& head) override;
   const std::vector<WebOrigin>& origins() const override { return settings_.allowed.origins; }
@@ -138,13 +142,14 @@ class ViewServer::Network final : public HttpHost, public LiveHost {
   void check();
   void look();
   void take_ticks();
+  void send_texts();
   void close_all();
   std::size_t admitted() const;
   const PageFile& page_file(Resource resource) const;
 
   ServerSettings settings_;
   ViewModel& model_;
-  Token token_ = Token::make();
+  std::vector<Token> tokens_;  // by PageRole
   std::uint16_t port_ = 0;
   PageFile html_, script_, style_, icon_;
 
@@ -185,6 +190,7 @@ ViewServer::Network::Network(const ServerSettings& settings, const PageFiles& pa
       script_{page.script, gzip_compressed(page.script), "text/javascript; charset=utf-8"},
       style_{page.style, gzip_compressed(page.style), "text/css; charset=utf-8"},
       icon_{page.icon, gzip_compressed(page.icon), "image/svg+xml"} {
+  for (std::size_t role = 0; role < settings.roles; ++role) tokens_.push_back(Token::make());
   silent_.set_most(most_strangers());
   asking_.set_most(most_strangers());
 }
@@ -289,7 +295,7 @@ ConnectionPlaces::Place ViewServer::Network::take_place(ConnectionKind kind,
 }
 
 HttpVerdict ViewServer::Network::judge(const HttpHead& head) {
-  return palpate::judge(head, token_, settings_.allowed);
+  return palpate::judge(head, tokens_, settings_.allowed);
 }
 
 const ViewServer::Network::PageFile& ViewServer::Network::page_file(Resource resource) const {
@@ -335,7 +341,7 @@ void ViewServer::Network::pass_control() {
   model_.let_go();
   if (is_stopping_) return;
   const auto next = std::find_if(clients_.begin(), clients_.end(),
-                                 [](const auto& c) { return c->has_token && !c->is_closing(); });
+                                 [](const auto& c) { return may_control(*c) && !c->is_closing(); });
   if (next == clients_.end()) return;
   take_control(**next, "the page in control has left; this page is in control now");
 }
@@ -354,10 +360,18 @@ void ViewServer::Network::on_message(LiveClient& client, std::string_view bytes,
   std::optional<std::uint64_t> id;
   const auto request = parse_request(bytes, id);
   if (!client.has_token) {
-    if (!request || request->kind != PageRequest::Kind::kToken || !token_.equals(request->token)) {
-      return client.close(kWrongToken, "the token is missing or wrong");
-    }
+    const auto role = request && request->kind == PageRequest::Kind::kToken
+                          ? place_of(request->token, tokens_)
+                          : std::nullopt;
+    if (!role) return client.close(kWrongToken, "the token is missing or wrong");
+    client.role = *role;
     return admit(client);
+  }
+  const bool is_for_server = request && request->kind == PageRequest::Kind::kTakeControl;
+  if (!is_for_server) {
+    auto text = model_.take_message(client.role, in_control_ == &client, bytes);
+    if (text && !text->empty()) client.send(std::move(*text));
+    if (text) return;
   }
   if (!request) {
     if (!id) return client.close(kPolicy, request.error().to_string());
@@ -380,8 +394,8 @@ void ViewServer::Network::admit(LiveClient& client) {
   client.allow_long_messages();
   take_ticks();
   client.next_tick = first_tick_ + ticks_.size();
-  if (in_control_ == nullptr) in_control_ = &client;
-  client.send(with_control(model_.hello(), in_control_ == &client));
+  if (in_control_ == nullptr && may_control(client)) in_control_ = &client;
+  client.send(with_control(model_.hello(client.role), in_control_ == &client));
   client.want_state();
 }
 
@@ -395,6 +409,7 @@ void ViewServer::Network::answer(LiveClient& client, std::optional<std::uint64_t
 void ViewServer::Network::carry_out(LiveClient& client, const PageRequest& request) {
   if (request.kind == PageRequest::Kind::kToken) return;
   if (request.kind == PageRequest::Kind::kTakeControl) {
+    if (!may_control(client)) return answer(client, request.id, "this page cannot take control");
     give_control(client);
     return answer(client, request.id, std::nullopt);
   }
@@ -442,7 +457,7 @@ void ViewServer::Network::look() {
 }
 
 bool ViewServer::Network::encode_state(LiveClient& client, std::string& out) {
-  if (!model_.newest(state_, bodies_)) return false;
+  if (!model_.shows_states(client.role) || !model_.newest(state_, bodies_)) return false;
   if (in_control_ == &client) client.answered_pointer = state_.pointer;
   const double now_s = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
   palpate::encode_state(state_, bodies_, now_s, out);
@@ -475,14 +490,23 @@ bool ViewServer::Network::encode_ticks(LiveClient& client, std::string& out) {
   return true;
 }
 
+void ViewServer::Network::send_texts() {
+  while (const auto text = model_.take_text()) {
+    for (const auto& client : std::vector(clients_)) {
+      if (client->has_token && client->role == text->role) client->send(text->text);
+    }
+  }
+}
+
 // Sixty times a second.
 void ViewServer::Network::frame() {
   if (is_stopping_) return;
   take_ticks();
+  send_texts();
   for (const auto& client : std::vector(clients_)) {
     if (!client->has_token) continue;
     client->want_state();
-    client->want_ticks();
+    if (model_.shows_ticks(client->role)) client->want_ticks();
   }
   next_frame_ = std::max(next_frame_ + kFrame, Clock::now());
   frame_timer_.expires_at(next_frame_);
@@ -494,9 +518,11 @@ void ViewServer::Network::check() {
   if (is_stopping_) return;
   const auto event = model_.take_event();
   const std::size_t count = admitted();
-  const std::string status = count > 0 ? model_.status(count) : std::string();
+  std::vector<std::string> statuses(tokens_.size());  // one for each role: the model counts in it
   for (const auto& client : std::vector(clients_)) {
     if (client->has_token) {
+      std::string& status = statuses[client->role];
+      if (status.empty()) status = model_.status(client->role, count);
       if (event) client->send(event_text(event->kind.c_str(), event->text));
       client->send_newest(with_control(status, client.get() == in_control_));
     }
@@ -532,8 +558,8 @@ std::uint16_t ViewServer::port() const {
   return network_->port();
 }
 
-const Token& ViewServer::token() const {
-  return network_->token();
+const Token& ViewServer::token(PageRole role) const {
+  return network_->token(role);
 }
 
 void ViewServer::start() {

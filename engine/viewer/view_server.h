@@ -20,6 +20,7 @@ struct ServerSettings {
   std::string address = "127.0.0.1";  // an IP address of this machine
   std::uint16_t port = 0;             // 0: the system chooses a free one
   AllowedNames allowed = {};
+  std::size_t roles = 1;  // of pages; each has a token
 };
 
 // What a client may use. Constants, so that nobody can raise them by accident.
@@ -45,8 +46,8 @@ struct ServerLimits {
 
 // Serves the page, the scene and the live connection (http_rules.h, messages.h, page_request.h). A
 // slow client delays neither another client nor the model: each has one message in flight, and the
-// newest state follows it. The first client with the token controls the model, until another one
-// takes over, or it leaves; then the one that has been there longest controls it.
+// newest state follows it. The first client with the token of kMainPage controls the model, until
+// another one takes over, or it leaves; then the one that has been there longest controls it.
 //
 // Connections without the token never keep one with the token out (ConnectionPlaces): for a new
 // one, the oldest of them is dropped.
@@ -66,7 +67,7 @@ class ViewServer {
   ViewServer& operator=(const ViewServer&) = delete;
 
   std::uint16_t port() const;
-  const Token& token() const;
+  const Token& token(PageRole role = kMainPage) const;
   // Starts the network thread. Call it once.
   void start();
   // Tells the clients that the server ends, closes all connections and ends the thread. Waits less

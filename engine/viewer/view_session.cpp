@@ -198,7 +198,7 @@ std::uint64_t ViewSession::take_ticks(std::vector<TickSummary>& rows) {
   return lost;
 }
 
-std::string ViewSession::hello() {
+std::string ViewSession::hello(PageRole /*role*/) {
   const SceneStatistics& facts = scene_.statistics();
   const DeviceDescription& device =
       is_simulated() ? hand_->held.description() : person_->description();
@@ -248,7 +248,7 @@ std::optional<double> ViewSession::measured_rate_Hz() {
   return last_rate_Hz_;
 }
 
-std::string ViewSession::status(std::size_t clients) {
+std::string ViewSession::status(PageRole /*role*/, std::size_t clients) {
   GovernorStatus governor;
   session().latest(governor);
   Json json = {{"type", "status"}, {"rate_Hz", number_or_null(measured_rate_Hz())}};

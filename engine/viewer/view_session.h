@@ -53,9 +53,6 @@ struct ViewSettings {
   ViewRecording recording;
 };
 
-// A scene with more triangles is simplified for the display.
-inline constexpr std::size_t kMostShownTriangles = 300'000;
-
 // The place where the simulated hand rests at first: in front of the scene, where no surface is.
 // With 2 sensors it is below the scene along A1, otherwise above it along A3. Device frame.
 Vec3 resting_place_m(const Scene& scene, const RunSetup& setup);
@@ -85,8 +82,8 @@ class ViewSession final : public ViewModel {
   bool newest(ViewState& state, std::vector<BodyPose>& bodies) override;
   std::uint64_t take_ticks(std::vector<TickSummary>& rows) override;
   double rate_Hz() const override { return 1.0 / setup_.dt_s; }
-  std::string hello() override;
-  std::string status(std::size_t clients) override;
+  std::string hello(PageRole role) override;
+  std::string status(PageRole role, std::size_t clients) override;
   std::optional<Event> take_event() override;
   void point(const PointerMessage& message) override;
   void let_go() override;

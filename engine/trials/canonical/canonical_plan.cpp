@@ -239,7 +239,7 @@ Result<CanonicalPlan> parse_canonical_plan(std::string_view text, const std::str
 }
 
 Result<std::optional<CanonicalPlan>> load_canonical_plan(const std::string& name_or_path) {
-  if (name_or_path == kPaperPlan) return std::optional<CanonicalPlan>();
+  if (is_shipped_plan(name_or_path)) return std::optional<CanonicalPlan>();
   std::string text(shipped_canonical());
   if (name_or_path != kCanonicalPlan) {
     auto read = read_settings_text(name_or_path);

@@ -21,61 +21,6 @@ std::string following_name(Following following) {
   return std::string(kFollowingNames[static_cast<std::size_t>(following)]);
 }
 
-TrialConditions conditions_of(const ExperimentPlan& plan, int participant,
-                              const PlannedTrial& trial) {
-  const PlanCondition& c = trial.condition;
-  const std::string& object = plan.objects[c.object].name;
-  TrialConditions conditions;
-  conditions.following = trial.following;
-  if (c.strategy) {
-    conditions.strategy = plan.strategies[*c.strategy];
-    // All strategies meet the same noise.
-    conditions.noise_seed = noise_seed(plan.seed, participant, trial.block, "", "", object);
-    return conditions;
-  }
-  conditions.force = kHapticLevels[c.haptic].value;
-  conditions.a4 = kRotationLevels[c.rotation].value;
-  conditions.noise_seed =
-      noise_seed(plan.seed, participant, trial.block, std::string(kHapticNames[c.haptic]),
-                 std::string(kRotationNames[c.rotation]), object);
-  return conditions;
-}
-
-// The person in a block: practice makes the hand faster and steadier (ExperimentPlan).
-OperatorParameters person_in_block(OperatorParameters person, const ExperimentPlan& plan,
-                                   int block) {
-  const double times = std::pow(block + 1.0, plan.learning_exponent);
-  person.speed_m_per_s *= times;
-  person.intention_noise_m /= times;
-  return person;
-}
-
-TrialRow row_of(const ExperimentPlan& plan, int participant, const PlannedTrial& trial,
-                const TrialOutcome& outcome) {
-  const PlanCondition& c = trial.condition;
-  TrialRow row{.following = following_name(trial.following),
-               .participant = std::to_string(participant),
-               .block = trial.block,
-               .trial = trial.trial,
-               .haptic = "",
-               .rotation = "",
-               .object = plan.objects[c.object].name,
-               .attempt = 1,
-               .status = outcome.status,
-               .measures = outcome.measures};
-  if (c.strategy) {
-    row.strategy = name_of(plan.strategies[*c.strategy]);
-  } else {
-    row.haptic = kHapticNames[c.haptic];
-    row.rotation = kRotationNames[c.rotation];
-  }
-  row.view = kViewNames[static_cast<std::size_t>(trial.variant.view)];
-  row.align = kAlignmentNames[static_cast<std::size_t>(plan.device.haptics.a4.align)];
-  row.start_orientation_deg = plan.start_orientation_deg[trial.variant.start];
-  row.scale = plan.scale[trial.variant.scale];
-  return row;
-}
-
 Result<TraceWriter> create_trace(const std::string& path) {
   std::error_code failed;
   fs::create_directories(fs::path(path).parent_path(), failed);
@@ -140,6 +85,60 @@ std::string variant_suffix(const ExperimentPlan& plan, const PlanVariant& varian
 }
 
 }  // namespace
+
+TrialConditions conditions_of(const ExperimentPlan& plan, int participant,
+                              const PlannedTrial& trial) {
+  const PlanCondition& c = trial.condition;
+  const std::string& object = plan.objects[c.object].name;
+  TrialConditions conditions;
+  conditions.following = trial.following;
+  if (c.strategy) {
+    conditions.strategy = plan.strategies[*c.strategy];
+    // All strategies meet the same noise.
+    conditions.noise_seed = noise_seed(plan.seed, participant, trial.block, "", "", object);
+    return conditions;
+  }
+  conditions.force = kHapticLevels[c.haptic].value;
+  conditions.a4 = kRotationLevels[c.rotation].value;
+  conditions.noise_seed =
+      noise_seed(plan.seed, participant, trial.block, std::string(kHapticNames[c.haptic]),
+                 std::string(kRotationNames[c.rotation]), object);
+  return conditions;
+}
+
+OperatorParameters person_in_block(OperatorParameters person, const ExperimentPlan& plan,
+                                   int block) {
+  const double times = std::pow(block + 1.0, plan.learning_exponent);
+  person.speed_m_per_s *= times;
+  person.intention_noise_m /= times;
+  return person;
+}
+
+TrialRow row_of(const ExperimentPlan& plan, int participant, const PlannedTrial& trial,
+                const TrialOutcome& outcome) {
+  const PlanCondition& c = trial.condition;
+  TrialRow row{.following = following_name(trial.following),
+               .participant = std::to_string(participant),
+               .block = trial.block,
+               .trial = trial.trial,
+               .haptic = "",
+               .rotation = "",
+               .object = plan.objects[c.object].name,
+               .attempt = 1,
+               .status = outcome.status,
+               .measures = outcome.measures};
+  if (c.strategy) {
+    row.strategy = name_of(plan.strategies[*c.strategy]);
+  } else {
+    row.haptic = kHapticNames[c.haptic];
+    row.rotation = kRotationNames[c.rotation];
+  }
+  row.view = kViewNames[static_cast<std::size_t>(trial.variant.view)];
+  row.align = kAlignmentNames[static_cast<std::size_t>(plan.device.haptics.a4.align)];
+  row.start_orientation_deg = plan.start_orientation_deg[trial.variant.start];
+  row.scale = plan.scale[trial.variant.scale];
+  return row;
+}
 
 std::vector<PlannedTrial> planned_trials(const ExperimentPlan& plan, int participant) {
   std::vector<PlannedTrial> trials;

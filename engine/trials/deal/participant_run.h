@@ -28,6 +28,16 @@ struct PlannedTrial {
 };
 std::vector<PlannedTrial> planned_trials(const ExperimentPlan& plan, int participant);
 
+// What run_trial() needs for a trial of a simulated participant: its conditions, and the person in
+// its block, in which practice makes the hand faster and steadier (ExperimentPlan).
+TrialConditions conditions_of(const ExperimentPlan& plan, int participant,
+                              const PlannedTrial& trial);
+OperatorParameters person_in_block(OperatorParameters person, const ExperimentPlan& plan,
+                                   int block);
+// The row of its first attempt.
+TrialRow row_of(const ExperimentPlan& plan, int participant, const PlannedTrial& trial,
+                const TrialOutcome& outcome);
+
 // The path of the trace of a trial below the folder of the traces:
 // "delayed/participant-3/block-1-trial-07-UaH-R-O2.csv", or with the name of a strategy in place of
 // "UaH-R"; if the plan has several variants, the name ends with the variant:

@@ -16,6 +16,12 @@ export function fillsScreen(): boolean {
   return document.fullscreenElement !== null || filled.matches;
 }
 
+// CSS pixels for each unit of movementX and movementY, in which browsers leave out the zoom of the page. The
+// window has the same width in both; its borders would count, but a filled screen has none.
+export function movement_px(): number {
+  return fillsScreen() && outerWidth > 0 ? innerWidth / outerWidth : 1;
+}
+
 export function onScreenChange(call: () => void): void {
   document.addEventListener("fullscreenchange", call);
   filled.addEventListener("change", call);

@@ -100,9 +100,15 @@ export class InputCheck {
         said.textContent = this.words.get("lock_failed");
         return;
       }
+      buttons.hidden = true; // there is no pointer to press them
       const ratio = await this.measureStrokes((text) => (said.textContent = text));
       if (document.pointerLockElement) document.exitPointerLock();
-      if (ratio === null) return; // Esc: the person may begin again, or skip
+      buttons.hidden = false;
+      if (ratio === null) { // Esc: the person may begin again, or skip
+        said.textContent = "";
+        begin.focus();
+        return;
+      }
       this.ratio = ratio;
       said.textContent = this.words.get(isEven(ratio) ? "strokes_even" : "strokes_accelerated");
       const goOn = this.goOn(finish);

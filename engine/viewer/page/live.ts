@@ -1,13 +1,17 @@
-// The page of a participant of `palpate experiment live`: the course, step by step, and the trials.
+// The pages of `palpate experiment live`: that of a participant, with the course, step by step, and the
+// trials; and that of the experimenter, if the address is theirs.
 
 import "./live.css";
 
 import { Connection, takeToken, type ConnectionState } from "./connection.ts";
 import { make, makeButton } from "./dom.ts";
+import { experimenterConnectionWords, ExperimenterPage } from "./experimenter_page.ts";
 import { Screen } from "./live_screens.ts";
-import type { Checked, LiveHello, LiveMessage, LiveRequest, Step, StepName } from "./live_protocol.ts";
+import type {
+  Checked, ExperimenterHello, ExperimenterMessage, LiveHello, LiveMessage, LiveRequest, Step, StepName,
+} from "./live_protocol.ts";
 import { Words, type WordKey } from "./live_words.ts";
-import type { State } from "./protocol.ts";
+import type { Answer, State } from "./protocol.ts";
 import { TrialView } from "./trial_view.ts";
 
 const kConnectionWords: Record<ConnectionState, WordKey | null> = {
@@ -16,6 +20,7 @@ const kConnectionWords: Record<ConnectionState, WordKey | null> = {
   "no sockets": "connection_no_sockets", "no token": "connection_no_token",
   "wrong version": "connection_wrong_version",
 };
+const kNotConnected: Answer = { type: "answer", id: 0, ok: false, problem: "not connected" };
 // Steps from which there is nothing to stop.
 const kEnds: readonly StepName[] = ["done", "stopped", "refused"];
 
@@ -26,8 +31,9 @@ function element<T extends HTMLElement>(id: string): T {
 class LivePage {
   private readonly words = new Words();
   private readonly token = takeToken();
-  private readonly connection: Connection<LiveHello, LiveMessage> | null;
-  private readonly trial: TrialView | null;
+  private readonly connection: Connection<LiveHello | ExperimenterHello, LiveMessage | ExperimenterMessage> | null;
+  private trial: TrialView | null = null;
+  private experimenter: ExperimenterPage | null = null; // null: this is a participant's page
   private hello: LiveHello | null = null;
   private step: Step | null = null;
   private screen: Screen | null = null;
@@ -35,14 +41,13 @@ class LivePage {
   private onPicture: ((time_ms: number, state: State) => void) | null = null;
 
   constructor() {
-    this.connection = this.token ? new Connection<LiveHello, LiveMessage>(this.token, {
+    this.connection = this.token ? new Connection(this.token, {
       changed: (state) => this.connectionChanged(state),
-      hello: (hello) => this.greet(hello),
+      hello: (hello) => (hello.role === "experimenter" ? this.greetExperimenter(hello) : this.greet(hello)),
       state: (state) => this.receiveState(state),
       ticks: () => {}, // are the experimenter's
       message: (message) => this.receive(message),
     }) : null;
-    this.trial = this.openTrial();
     addEventListener("hashchange", () => location.reload()); // another address, pasted into this tab
     this.publishProbe();
     this.connectionChanged(this.connection ? "connecting" : "no token");
@@ -70,8 +75,7 @@ class LivePage {
   }
 
   private async ask(request: LiveRequest) {
-    return this.connection ? this.connection.request(request)
-                           : { type: "answer" as const, id: 0, ok: false, problem: "not connected" };
+    return this.connection?.request(request) ?? kNotConnected;
   }
 
   private async fetchScene(): Promise<ArrayBuffer> {
@@ -82,14 +86,24 @@ class LivePage {
 
   private connectionChanged(state: ConnectionState): void {
     const key = kConnectionWords[state];
-    element("connection").textContent = key ? this.words.get(key) : "";
+    element("connection").textContent =
+      this.experimenter ? experimenterConnectionWords[state] : key ? this.words.get(key) : "";
     element("connection").hidden = key === null;
     document.body.dataset["connection"] = state;
     if (state !== "live") this.trial?.hide();
   }
 
+  private greetExperimenter(hello: ExperimenterHello): void {
+    this.experimenter ??= new ExperimenterPage({
+      ask: async (request) => this.connection?.request(request) ?? kNotConnected,
+      fetchScene: () => this.fetchScene(),
+    });
+    this.experimenter.greet(hello);
+  }
+
   private greet(hello: LiveHello): void {
     this.hello = hello;
+    this.trial ??= this.openTrial();
     this.words.set(hello.words);
     document.documentElement.lang = hello.language;
     document.documentElement.dir = hello.direction;
@@ -102,14 +116,19 @@ class LivePage {
   private receiveState(state: State): void {
     this.state = state;
     this.trial?.receive(state);
+    this.experimenter?.receiveState(state);
   }
 
-  private receive(message: LiveMessage): void {
+  private receive(message: LiveMessage | ExperimenterMessage): void {
+    if (this.experimenter) this.experimenter.receive(message as ExperimenterMessage);
+    else this.receiveAsParticipant(message as LiveMessage);
+  }
+
+  private receiveAsParticipant(message: LiveMessage): void {
     switch (message.type) {
       case "step": return this.showStep(message);
       case "trial":
         this.closeScreen();
-        this.closeDialog();
         void this.trial?.start(message);
         return;
       case "trial_end": return this.trial?.end(message.number);
@@ -162,7 +181,7 @@ class LivePage {
   }
 
   private askStop(): void {
-    if (document.pointerLockElement) document.exitPointerLock(); // the trial says that it was left
+    this.trial?.interrupt(); // also frees the pointer
     const dialog = element<HTMLDialogElement>("stop-dialog");
     const stop = async (keep: boolean): Promise<void> => {
       const answer = await this.ask({ type: "stop", keep });
@@ -184,14 +203,16 @@ class LivePage {
 
   // What tests read. It holds no token.
   private publishProbe(): void {
+    const shown = () => this.trial?.shown ?? this.experimenter?.shown;
     const probe = {
       state: () => this.state,
       step: () => this.step?.step ?? null,
       phase: () => this.trial?.phase ?? "none",
-      pictures: () => this.trial?.shown.pictures ?? 0,
-      drawnBodies: () => this.trial?.shown.drawnBodies ?? 0,
-      drawnTick: () => this.trial?.shown.drawn?.record.tick ?? -1,
-      pixels_per_m: () => this.trial?.shown.pixels_per_m ?? NaN,
+      pictures: () => shown()?.pictures ?? 0,
+      drawnBodies: () => shown()?.drawnBodies ?? 0,
+      drawnTick: () => shown()?.drawn?.record.tick ?? -1,
+      green: () => this.trial?.green ?? null, // centre of the green sphere, scene frame
+      pixels_per_m: () => shown()?.pixels_per_m ?? NaN,
       sent: () => this.connection?.lastPointer ?? 0, // sequence of the last pointer message
       onPicture: (call: (time_ms: number, state: State) => void) => (this.onPicture = call),
     };

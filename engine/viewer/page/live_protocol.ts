@@ -1,15 +1,15 @@
-// The JSON messages between the server of `experiment live` and the participant's page. The binary
-// messages are those of protocol.ts.
+// The JSON messages between the server of `experiment live` and the pages of the participant and of the
+// experimenter. The binary messages are those of protocol.ts.
 
 import type { Answer, Vector3 } from "./protocol.ts";
 
 export type StepName =
   | "information" | "consent" | "check" | "instructions" | "about" | "learning" | "practice" | "block"
-  | "break" | "paused" | "debriefing" | "done" | "stopped" | "refused";
+  | "questionnaire" | "break" | "paused" | "debriefing" | "done" | "stopped" | "refused";
 
 export interface Step {
   step: StepName;
-  title: string;
+  title?: string; // absent: the page's own
   text: string; // plain; blank lines separate paragraphs
   number: number; // of the block; 0: practice
   of: number; // blocks
@@ -21,6 +21,11 @@ export interface Step {
 export type Input = "mouse" | "pen" | "touch" | "board";
 export type Motion = "unaccelerated" | "accelerated" | "unknown";
 export type AboutKey = "age" | "gender" | "hand" | "experience";
+
+// Answers to the questionnaire: tlx items 0 to 100 in steps of 5, real 1 to 7.
+export type Ratings = Record<
+  "tlx_mental" | "tlx_physical" | "tlx_temporal" | "tlx_performance" | "tlx_effort" | "tlx_frustration" | "real",
+  number>;
 
 // What the input check has found.
 export interface Checked {
@@ -37,6 +42,7 @@ export interface Checked {
 
 export interface LiveHello {
   type: "hello";
+  role: "participant";
   version: number;
   engine: string;
   language: string;
@@ -52,8 +58,9 @@ export interface LiveHello {
 
 export interface Trial {
   type: "trial";
-  number: number;
-  of: number;
+  number: number; // of all that were announced: tells trials apart
+  place?: number; // in the block, as a person counts
+  of: number; // trials of the block
   scene: number;
   green_m: Vector3; // centres of the spheres, scene frame
   red_m: Vector3;
@@ -77,6 +84,7 @@ export type LiveRequest =
   | { type: "next"; step: StepName }
   | { type: "consent"; value: boolean }
   | { type: "about"; answers: Partial<Record<AboutKey, string>> }
+  | { type: "rated"; answers: Ratings }
   | ({ type: "checked" } & Checked)
   | { type: "ready"; trial: number }
   | { type: "pause" }
@@ -89,3 +97,59 @@ export type LiveNotice =
   | { type: "frames"; times_ms: number[] };
 
 export type Ask = (request: LiveRequest) => Promise<Answer>;
+
+export type AttemptStatus = "done" | "timeout" | "fault" | "aborted" | "skipped";
+
+export interface ExperimenterStatus {
+  type: "status";
+  participant: number;
+  step: StepName;
+  paused: boolean;
+  trip: string | null; // why the force was cut; null: it was not, or somebody has rearmed
+  block: number; // 0: practice
+  blocks: number;
+  trials_left: number;
+  place?: number; // of the trial in its block, or of the condition to touch; absent in other steps
+  places?: number;
+  attempt?: number; // absent in learning
+  runs?: boolean;
+  condition?: string; // this and the following two: absent if the plan is blind
+  object?: string;
+  rules?: string[]; // of the governor that acted since the last status
+  attempts: Partial<Record<AttemptStatus, number>>;
+  last: { block: number; place: number; attempt: number; status: AttemptStatus; reason: string } | null;
+  newest_late_us: number; // how late ticks of the trial began
+  worst_late_us: number;
+  missed_deadlines: number;
+  pictures_Hz: number | null; // at the participant's page
+}
+
+export interface ExperimenterHello {
+  type: "hello";
+  role: "experimenter";
+  version: number;
+  engine: string;
+  plan: string;
+  participant: number;
+  pilot: boolean;
+  blind: boolean; // the server sends neither pictures nor forces nor conditions
+  has_force: boolean;
+  display: LiveHello["display"];
+  rate_Hz: number;
+  trial: Trial | null; // the newest one
+  status: ExperimenterStatus;
+}
+
+// Trials and rings as the participant's page gets them, unless the plan is blind.
+export type ExperimenterMessage =
+  | ExperimenterStatus
+  | Trial
+  | { type: "ring"; p_scene_m: Vector3 | null }
+  | { type: "trial_end"; number: number };
+
+export type ExperimenterRequest =
+  | { type: "note"; text: string }
+  | { type: "pause" | "go_on" | "repeat" | "rearm" }
+  | { type: "skip" | "abort"; block: number; place: number; attempt: number }; // the trial that is meant
+
+export type ExperimenterAsk = (request: ExperimenterRequest) => Promise<Answer>;

@@ -4,6 +4,7 @@ import { make, makeButton, paragraphs } from "./dom.ts";
 import { InputCheck } from "./input_check.ts";
 import type { AboutKey, Ask, Checked, Input, LiveRequest, Step, StepName } from "./live_protocol.ts";
 import { timeLeft, type WordKey, type Words } from "./live_words.ts";
+import { Questionnaire } from "./questionnaire.ts";
 
 // Steps after which a trial begins.
 const kBeforeTrials: readonly StepName[] = ["learning", "practice", "block", "paused"];
@@ -25,7 +26,7 @@ export class Screen {
 
   constructor(private readonly element: HTMLElement, private readonly step: Step,
               private readonly host: ScreenHost) {
-    const heading = make("h1", "", step.title);
+    const heading = make("h1", "", step.title ?? this.word(`title_${step.step}`));
     heading.tabIndex = -1;
     const parts: HTMLElement[] = [...this.progress(), heading, ...paragraphs(step.text), ...this.body()];
     element.replaceChildren(...parts);
@@ -59,6 +60,7 @@ export class Screen {
       case "consent": return this.consent();
       case "check": return [this.check()];
       case "about": return this.about();
+      case "questionnaire": return this.questionnaire();
       case "break": return this.pauseForRest();
       case "paused": return [this.buttons(this.goOnButton({ type: "go_on" }))];
       case "done":
@@ -140,6 +142,13 @@ export class Screen {
     field.maxLength = 200;
     if (key === "age") field.inputMode = "numeric";
     return field;
+  }
+
+  private questionnaire(): HTMLElement[] {
+    return new Questionnaire(this.host.words, async (answers) => {
+      await this.host.capture(); // the next trial comes by itself
+      await this.ask({ type: "rated", answers });
+    }).elements;
   }
 
   private pauseForRest(): HTMLElement[] {

@@ -179,9 +179,10 @@ export class PaperDisplay {
   zoomBy(): void {}
   turnBy(): void {}
 
-  // Draws the newest state. Returns false if there is none.
+  // Draws the newest state. Returns false if there is none, or if the browser has taken the memory of the
+  // drawing: such a picture is not seen.
   private draw(): boolean {
-    if (!this.state) return false;
+    if (!this.state || this.renderer.getContext().isContextLost()) return false;
     const { record, bodies } = this.state;
     const display = displayOf(record, this.mode);
     this.display = display;

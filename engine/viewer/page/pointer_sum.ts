@@ -2,6 +2,7 @@
 // browser has joined are taken one by one, and events come as soon as the browser has them, not once a
 // frame, where it can.
 
+import { movement_px } from "./capture.ts";
 import type { Input } from "./live_protocol.ts";
 
 export class PointerSum {
@@ -54,8 +55,8 @@ export class PointerSum {
       this.pressed.x = part.clientX;
       this.pressed.y = part.clientY;
     } else {
-      this.right += part.movementX;
-      this.up -= part.movementY;
+      this.right += movement_px() * part.movementX;
+      this.up -= movement_px() * part.movementY;
     }
   }
 

@@ -39,6 +39,7 @@ export class TrialView {
   private scene = -1; // that is loaded
   private times_ms: number[] = [];
   private timers: number[] = [];
+  private learned = -1; // the number of the condition that the person has ended
   phase: TrialPhase = "none";
 
   // onDrawn: called with the time of each picture. Throws an Error if the browser has no WebGL.
@@ -64,11 +65,20 @@ export class TrialView {
     onScreenChange(() => {
       if (this.needsScreen && !fillsScreen()) this.leave("full_screen");
     });
+    addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || event.repeat || !this.isLearning) return;
+      event.preventDefault();
+      void this.endLearning();
+    });
     element.addEventListener("contextmenu", (event) => event.preventDefault()); // of a long press
   }
 
   get shown(): PaperDisplay {
     return this.display;
+  }
+
+  get green(): Vector3 | null {
+    return this.trial?.green_m ?? null;
   }
 
   // checked: null if the input check was not made in this page, nor before a reload.
@@ -92,6 +102,8 @@ export class TrialView {
 
   // Prepares the trial, and starts it when the person is ready for it.
   async start(trial: Trial): Promise<void> {
+    if (this.trial?.number === trial.number && (this.phase === "running" || this.phase === "starting")) return; // told twice
+    const mustClick = !this.overlay.hidden && this.phase !== "none"; // the person had left, and has not come back
     this.finish();
     this.trial = trial;
     this.phase = "loading";
@@ -103,8 +115,13 @@ export class TrialView {
     this.showProgress(trial);
     if (this.scene !== trial.scene && !(await this.load(trial))) return;
     if (this.trial !== trial) return;
-    if (this.isReady) await this.begin(trial);
+    if (this.isReady && !mustClick) await this.begin(trial);
     else this.wait("waiting");
+  }
+
+  // The person does something else than the trial, such as to ask for the end.
+  interrupt(): void {
+    this.leave("focus");
   }
 
   end(number: number): void {
@@ -148,7 +165,9 @@ export class TrialView {
     return !(this.hello?.is_script ?? false);
   }
   private get isReady(): boolean {
-    return !this.needsScreen || ((!this.needsLock || isLocked()) && fillsScreen() && !document.hidden);
+    return !this.needsScreen ||
+      ((!this.needsLock || isLocked()) && fillsScreen() && !document.hidden && document.hasFocus() &&
+       document.querySelector("dialog[open]") === null);
   }
 
   // A page that was zoomed since the check has larger CSS pixels.
@@ -198,6 +217,7 @@ export class TrialView {
 
   private whyNotReady(): LeftWhy {
     if (document.hidden) return "hidden";
+    if (!document.hasFocus()) return "focus";
     return this.needsLock && !isLocked() ? "pointer_lock" : "full_screen";
   }
 
@@ -248,6 +268,18 @@ export class TrialView {
     // Otherwise the next trial comes by itself.
   }
 
+  // The person touches a condition as long as they like.
+  private get isLearning(): boolean {
+    return this.phase === "running" && this.trial?.step === "learning";
+  }
+
+  private async endLearning(): Promise<void> {
+    if (!this.trial || this.learned === this.trial.number) return; // the key was pressed twice
+    this.learned = this.trial.number;
+    const answer = await this.host.ask({ type: "next", step: "learning" });
+    if (!answer.ok) this.host.say(this.words.get("refused", { problem: answer.problem ?? "" }));
+  }
+
   private sendTarget(): void {
     if (this.phase !== "running" || !this.trial || this.sum.input === "board") return;
     const [x, y, z] = this.trial.start_device_m;
@@ -273,12 +305,21 @@ export class TrialView {
     }
     const pause = makeButton(this.words.get("pause"), () => this.host.pause());
     const stop = makeButton(this.words.get("stop"), () => this.host.stop());
-    this.bar.replaceChildren(progress, ring, pause, stop);
+    const goOn = makeButton(this.words.get("go_on"), () => this.endLearning());
+    goOn.classList.add("learned");
+    goOn.hidden = true;
+    this.bar.replaceChildren(progress, ring, goOn, pause, stop);
   }
 
-  private showProgress({ number, of }: Trial): void {
+  private showProgress({ number, place, of, step }: Trial): void {
     const progress = this.bar.querySelector(".progress");
-    if (progress) progress.textContent = this.words.get("trial_of", { number, of });
+    const isLearning = step === "learning";
+    if (progress) {
+      progress.textContent = isLearning ? this.words.get("learning_hint")
+                                        : this.words.get("trial_of", { number: place ?? number, of });
+    }
+    const goOn = this.bar.querySelector<HTMLElement>("button.learned");
+    if (goOn) goOn.hidden = !isLearning;
     this.ring(null);
   }
 }

@@ -39,7 +39,8 @@ POWER = re.compile(r"(\./run\.sh|palpate) experiment power(?!.* --sets)")  # sim
 NOT_RUN = {
     "./run.sh": "a minute in real time; `./run.sh run models/star.glb --virtual` does the same",
 }
-ENDLESS = re.compile(r"(\./run\.sh|palpate) (view|devices --simulate \w+$)")  # until Ctrl-C
+ENDLESS = re.compile(r"(\./run\.sh|palpate) (view|devices --simulate \w+$|experiment live (?!.*--script))")
+# until Ctrl-C, or the end of an experiment
 
 
 def without_comment(line):

@@ -147,12 +147,13 @@ TEST_F(ExperimentCommandTest, BeginsTheHelpOfEverySubcommandWithExamples) {
 
 TEST_F(ExperimentCommandTest, RefusesUnknownSubcommandsAndBadArguments) {
   const Contents before = contents_of(path(""));
-  expect_refused({}, {"subcommand is required; expected plan, run, sweep, merge, analyse or power",
+  expect_refused({}, {"subcommand is required; expected plan, run, sweep, merge, analyse, power, "
+                      "export, live or forget",
                       "experiment --help"});
   expect_refused({"walk"}, {"walk: is not a subcommand of experiment; expected plan, run, sweep, "
-                            "merge, analyse or power"});
+                            "merge, analyse, power, export, live or forget"});
   expect_refused({"--out", "x"}, {"--out: is not an option of experiment; expected plan, run, "
-                                  "sweep, merge, analyse or power"});
+                                  "sweep, merge, analyse, power, export, live or forget"});
   expect_refused({"run"}, {"PLAN", "experiment run --help"});
   expect_refused({"run", "plan.json", "other.json"},
                  {"other.json: is an unexpected argument of run"});

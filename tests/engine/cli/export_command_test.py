@@ -59,9 +59,9 @@ class Experiment:
         for name in ("01", "12", "99"):  # nobody has rows of the last one
             of = self.path / "participants" / name
             (of / "recordings").mkdir(parents=True)
-            (of / "journal").write_text(f"journal of {name}\n")
-            (of / "recordings" / "1-1.palrec").write_bytes(b"SQLite\0" + name.encode())
-            (of / "recordings" / "1-1.part").write_bytes(b"")
+            (of / "journal.txt").write_text(f"journal of {name}\n")
+            (of / "recordings" / "1-1.palpate").write_bytes(b"SQLite\0" + name.encode())
+            (of / "recordings" / "1-2.palpate.part").write_bytes(b"")
         (self.path / "participants" / "12" / "about.json").write_text(
             '{"hand": "right", "age": "30, or \\"31\\""}')
 
@@ -168,19 +168,19 @@ def check_description(description):
 def check_what_is_requested(experiment, plain):
     """What tells more about people is there on request only."""
     files = files_in(plain)
-    check(not any("palrec" in file or "journal" in file or "about" in file for file in files), f"{files}")
+    check(not any("recordings" in file or "journal" in file or "about" in file for file in files), f"{files}")
     check((plain / "materials/plan.json").read_text() == PLAN, "another plan")
     check((plain / "materials/texts.json").read_text() == TEXTS, "other texts")
     everything = experiment.exported("everything", "--with", "recordings,notes,about")
     check_psych_ds(everything)
     more = sorted(set(files_in(everything)) - set(files))
-    check(more == [".psychds-ignore", "data/recordings/subject-01/1-1.palrec",
-                   "data/recordings/subject-12/1-1.palrec", "data/task-about_data.csv",
-                   "documentation/journals/subject-01", "documentation/journals/subject-12"], f"{more}")
+    check(more == [".psychds-ignore", "data/recordings/subject-01/1-1.palpate",
+                   "data/recordings/subject-12/1-1.palpate", "data/task-about_data.csv",
+                   "documentation/journals/subject-01.txt", "documentation/journals/subject-12.txt"], f"{more}")
     check(rows_of(everything / "data/task-about_data.csv") == [
         {"participant": "12", "age": '30, or "31"', "gender": "", "hand": "right", "experience": ""}],
         "other answers")
-    copied = (everything / "data/recordings/subject-12/1-1.palrec").read_bytes()
+    copied = (everything / "data/recordings/subject-12/1-1.palpate").read_bytes()
     check(copied == b"SQLite\x0012", "another recording")
 
 

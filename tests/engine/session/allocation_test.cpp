@@ -21,6 +21,9 @@
 #include <gtest/gtest.h>
 
 #include "engine/devices/vector_device.h"
+#include "engine/live/pointed_device.h"
+#include "engine/live/start_place.h"
+#include "engine/live/trial_watch.h"
 #include "engine/recording/recorder.h"
 #include "engine/recording/recording_settings.h"
 #include "engine/scene/scene.h"
@@ -32,7 +35,11 @@
 #include "engine/simulation/path_plan.h"
 #include "engine/simulation/simulated_device.h"
 #include "engine/simulation/surface_path.h"
+#include "engine/trials/experiment_scene.h"
+#include "engine/trials/paper_plan.h"
+#include "engine/trials/plan.h"
 #include "engine/viewer/held_device.h"
+#include "engine/viewer/pointer_plan.h"
 #include "engine/viewer/state_publisher.h"
 #include "geometry/mesh/section.h"
 #include "haptics/record_vectors.h"
@@ -624,6 +631,42 @@ TEST(SilentView, PublishesTicksAndTakesChangesWithoutAllocating) {
     if (session.latest(newest)) contacts += newest.contact;
   }
   EXPECT_GT(contacts, 500u);
+}
+
+// ---- a trial of a person -----------------------------------------------------------------------
+
+TEST(SilentTrial, FollowsThePointerAndFindsWhoIsLostWithoutAllocating) {
+  const auto plan =
+      parse_plan(shipped_plan_text("paper-live-mouse", ""), "plan", PALPATE_MODELS_DIR);
+  ASSERT_TRUE(plan);
+  const auto scenes = load_experiment_scenes(*plan, {find_trial_way, run_trial});
+  ASSERT_TRUE(scenes);
+  const ExperimentScene& scene = scenes->front();
+  RunSetup setup = scene.setup;
+  setup.haptics.a4.enabled = true;
+  const auto start_m = start_place_m(scene.scene, scene.way, plan->trial.sphere_radius_m);
+  ASSERT_TRUE(start_m);
+  PointedDevice pointer(setup.device, setup.haptics.initial_pose.point(*start_m));
+  auto loop = test::made(HapticLoop::create(scene.scene.world(), setup.actuation, setup.haptics));
+  TrialClock clock(scene.way, plan->trial, 0.0, 1e-3);
+  TrialWatch watch(&clock, 1e-3, 1.0);
+  StatePublisher publisher(loop, &pointer, 0);
+  HapticSession session(loop, pointer,
+                        {.observers = {&clock, &watch, &publisher}, .takes_motors = false});
+  session.start();
+  test::Random random(4);
+  for (std::uint64_t n = 1; n < 4000; ++n) {
+    // Through the green sphere into the wall, and after a second away from it.
+    const Vec3 target = setup.haptics.initial_pose.point(scene.way.green_m) +
+                        random.in_box(n < 1000 ? 0.005 : 0.0) + Vec3(n < 1000 ? 0.0 : 1.0, 0, 0);
+    pointer.point({n % 100 != 0, n, {target.x(), target.y(), target.z()}});
+    Census census;
+    session.tick(1e-3);
+    census.stop();
+    census.expect_nothing();
+  }
+  EXPECT_TRUE(clock.has_started());
+  EXPECT_EQ(watch.times_lost(), 1u);
 }
 
 // ---- the thread --------------------------------------------------------------------------------

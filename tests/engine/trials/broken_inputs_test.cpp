@@ -45,7 +45,7 @@ void expect_error(const Error& error, const std::string& element, const std::str
 }
 
 Json paper() {
-  return Json::parse(paper_plan_text(""));
+  return Json::parse(shipped_plan_text(kPaperPlan, ""));
 }
 
 // Puts strategies in place of haptic and rotation.
@@ -386,7 +386,7 @@ TEST(BrokenInputs, APlanIsRefusedByTheNameOfItsElement) {
 }
 
 TEST(BrokenInputs, TheTextOfAPlanIsRefusedByItsPlace) {
-  const std::string good = paper_plan_text("");
+  const std::string good = shipped_plan_text(kPaperPlan, "");
   ASSERT_TRUE(parse_plan(good, "plan.json", "").ok());
   EXPECT_TRUE(parse_plan("\xEF\xBB\xBF" + good, "plan.json", "").ok());
   const auto with = [&](const std::string& from, const std::string& to) {
@@ -732,10 +732,11 @@ TEST(LiveTrialsFile, RestoresEveryRowToTheBit) {
 // A trial of a pilot run is another trial.
 TEST(LiveTrialsFile, KeepsPilotRowsApartAndReadsRowsWithoutLiveColumns) {
   const std::string head = "participant,block,haptic,rotation,object,status,pilot,reason\n";
-  const auto rows = parse_trials(
-      head + "1,1,H,R,O1,done,1,\n1,1,H,R,O1,done,0,\n2,1,H,R,O1,skipped,,participant\n"
-             "3,1,H,R,O1,fault,,\n",
-      "t.csv");
+  const auto rows =
+      parse_trials(head +
+                       "1,1,H,R,O1,done,1,\n1,1,H,R,O1,done,0,\n2,1,H,R,O1,skipped,,participant\n"
+                       "3,1,H,R,O1,fault,,\n",
+                   "t.csv");
   ASSERT_TRUE(rows.ok()) << rows.error().to_string();
   EXPECT_EQ(rows->at(0).live->pilot, 1);
   EXPECT_EQ(rows->at(2).live->reason, CutReason::kParticipant);
@@ -832,7 +833,7 @@ TEST(BrokenInputs, AFileThatCannotBeReadIsRefusedByName) {
 }
 
 TEST(Plan, ReadsWhatThePaperPlanStates) {
-  const auto plan = parse_plan(paper_plan_text(""), "paper", "somewhere");
+  const auto plan = parse_plan(shipped_plan_text(kPaperPlan, ""), "paper", "somewhere");
   ASSERT_TRUE(plan.ok()) << plan.error().to_string();
   EXPECT_EQ(plan->seed, 2005u);
   EXPECT_EQ(plan->participants, 10);
@@ -894,9 +895,9 @@ TEST(Plan, TakesEverySettingOfRun) {
 }
 
 TEST(Plan, HashIgnoresLayoutAndPlacesOfFilesOnly) {
-  const std::uint64_t hash = parse_plan(paper_plan_text(""), "a", "")->hash;
+  const std::uint64_t hash = parse_plan(shipped_plan_text(kPaperPlan, ""), "a", "")->hash;
   EXPECT_EQ(parse_plan(to_text(paper()), "b", "x")->hash, hash);
-  EXPECT_EQ(parse_plan(paper_plan_text("elsewhere"), "c", "")->hash, hash);
+  EXPECT_EQ(parse_plan(shipped_plan_text(kPaperPlan, "elsewhere"), "c", "")->hash, hash);
   Json with_objects = paper();
   with_objects["objects"]["O1"] = {{"file", "elsewhere/star.glb"}};
   EXPECT_EQ(parse_plan(to_text(with_objects), "c", "")->hash, hash);

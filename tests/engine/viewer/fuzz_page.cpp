@@ -69,7 +69,7 @@ void judge_request(std::string_view text) {
   if (!lines[4].empty()) head.authorizations.push_back(lines[4]);
   if (!lines[5].empty()) head.tokens.push_back(lines[5]);
   static const AllowedNames allowed{{"desk.example"}, {{true, "lab.example", 443}}};
-  const HttpVerdict verdict = judge(head, token, allowed);
+  const HttpVerdict verdict = judge(head, {&token, 1}, allowed);
   if (verdict.status != 200) return require(!verdict.reason.empty());
   // What is served has a Host that is safe in a header, and is no secret: nobody guesses the token.
   const auto name = host_name(head.hosts.front());

@@ -28,8 +28,8 @@ class RememberingModel final : public ViewModel {
     return 0;
   }
   double rate_Hz() const override { return 1000.0; }
-  std::string hello() override { return R"({"type":"hello"})"; }
-  std::string status(std::size_t clients) override {
+  std::string hello(PageRole) override { return R"({"type":"hello"})"; }
+  std::string status(PageRole, std::size_t clients) override {
     return R"({"type":"status","clients":)" + std::to_string(clients) + "}";
   }
   std::optional<Event> take_event() override { return std::nullopt; }

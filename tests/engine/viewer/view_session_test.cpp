@@ -137,7 +137,9 @@ struct HeldInside {
     session = std::move(*ViewSession::create(scene, setup_of(3, 3), settings, &tip));
     EXPECT_FALSE(session->start());
   }
-  nlohmann::json inside() const { return nlohmann::json::parse(session->status(1))["inside"]; }
+  nlohmann::json inside() const {
+    return nlohmann::json::parse(session->status(kMainPage, 1))["inside"];
+  }
   bool wait_for_inside(bool is_inside) const {
     const auto end = std::chrono::steady_clock::now() + kLongest;
     while (inside().is_null() == is_inside && std::chrono::steady_clock::now() < end) {
@@ -204,7 +206,8 @@ TEST(ViewSession, RefusesAndTellsWhatTheJudgeOfTheWallsSays) {
     return session->carry_out(request).value_or("");
   };
   const auto stiffness = [&] {
-    return nlohmann::json::parse(session->status(1))["settings"]["stiffness"].get<double>();
+    return nlohmann::json::parse(session->status(kMainPage, 1))["settings"]["stiffness"]
+        .get<double>();
   };
   EXPECT_EQ(set("stiffness", 400.0), "");
   EXPECT_EQ(judge.kept, 1);
@@ -291,7 +294,7 @@ TEST(ViewSession, SettingsReachTheRecordAndTheStatus) {
   EXPECT_EQ(viewed.carry_out(PageRequest::Kind::kSet, -1.0, "stiffness"),
             "stiffness: is -1; expected a number from 0 to 5000 N/m");
   EXPECT_EQ(viewed.carry_out(PageRequest::Kind::kSet, 1.0, "no such"), "no such: is not a setting");
-  const auto status = nlohmann::json::parse(viewed.session->status(3));
+  const auto status = nlohmann::json::parse(viewed.session->status(kMainPage, 3));
   EXPECT_EQ(status["clients"], 3);
   EXPECT_EQ(status["settings"]["force"], "none");
   EXPECT_EQ(status["settings"]["stiffness"], 250.0);
@@ -308,7 +311,7 @@ TEST(ViewSession, SettingsReachTheRecordAndTheStatus) {
 TEST(ViewSession, HelloDescribesSceneAndDevice) {
   const Scene scene = loaded("gallery.glb");
   Viewed viewed(scene, setup_of(3, 2));
-  const auto hello = nlohmann::json::parse(viewed.session->hello());
+  const auto hello = nlohmann::json::parse(viewed.session->hello(kMainPage));
   EXPECT_EQ(hello["type"], "hello");
   EXPECT_EQ(hello["version"], 4);
   EXPECT_EQ(hello["display"], nlohmann::json({{"name", "full"}}));
@@ -333,14 +336,14 @@ TEST(ViewSession, HelloDescribesThePapersDisplay) {
   settings.paper = PaperDisplay{60.0, 0.5, {}};
   auto display_of = [&] {
     const auto session = ViewSession::create(scene, setup_of(2, 1), settings);
-    return nlohmann::json::parse((*session)->hello())["display"];
+    return nlohmann::json::parse((*session)->hello(kMainPage))["display"];
   };
-  EXPECT_EQ(display_of(), nlohmann::json::parse(
-                              R"({"name":"paper","Hz":60.0,"scale":0.5,"spheres":null})"));
+  EXPECT_EQ(display_of(),
+            nlohmann::json::parse(R"({"name":"paper","Hz":60.0,"scale":0.5,"spheres":null})"));
   settings.paper->spheres = DisplayedSpheres{Vec3(1, 2, 3), Vec3(4, 5, 6), 0.25};
-  EXPECT_EQ(display_of()["spheres"],
-            nlohmann::json::parse(
-                R"({"green_m":[1.0,2.0,3.0],"red_m":[4.0,5.0,6.0],"radius_m":0.25})"));
+  EXPECT_EQ(
+      display_of()["spheres"],
+      nlohmann::json::parse(R"({"green_m":[1.0,2.0,3.0],"red_m":[4.0,5.0,6.0],"radius_m":0.25})"));
 }
 
 // The published poses of a body that moves at a constant velocity, in the same tick as the record.

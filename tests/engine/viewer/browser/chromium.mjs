@@ -2,7 +2,8 @@
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { mkdirSync } from "node:fs";
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { pathToFileURL } from "node:url";
@@ -11,6 +12,7 @@ const driver = await import(pathToFileURL(join(process.env.PALPATE_DRIVER, "inde
 
 export const kProject = process.env.PALPATE_PROJECT;
 export const kPrograms = process.env.PALPATE_PROGRAMS.split(":");
+const kContrast = 4.5; // of texts, at least
 export const kStep_ms = 240_000; // only ends a test that hangs
 
 // All flags of Chromium: software drawing, and no name is resolved but loopback.
@@ -34,6 +36,26 @@ export function openBrowser(hasWebgl = true) {
     args: hasWebgl ? kFlags : [...kFlags.filter((flag) => !/swiftshader|angle/.test(flag)),
                                ...kFlagsWithoutWebgl],
   });
+}
+
+// A browser that shows every page with this zoom, in one context and one window.
+export async function openZoomedBrowser(zoom) {
+  const profile = mkdtempSync(join(tmpdir(), "palpate_profile_"));
+  mkdirSync(join(profile, "Default"));
+  const level = Math.log(zoom) / Math.log(1.2); // as Chromium counts it
+  writeFileSync(join(profile, "Default/Preferences"),
+                JSON.stringify({ partition: { default_zoom_level: { x: level } } }));
+  const context = await driver.chromium.launchPersistentContext(profile, {
+    timeout: kStep_ms, executablePath: process.env.PALPATE_CHROMIUM, viewport: null,
+    args: [...kFlags, "--window-size=1400,1000"],
+  });
+  return {
+    newContext: async () => context,
+    close: async () => {
+      await context.close();
+      rmSync(profile, { recursive: true });
+    },
+  };
 }
 
 // Opens an address of the page. options.script runs in it before its own scripts; options.context are
@@ -108,6 +130,38 @@ export function untilDrawn(page) {
                            window.palpate.status() !== null);
 }
 
+// The texts on the page whose contrast to their background is below kContrast, and what does not fit into the
+// window.
+export function faultsOf(page) {
+  return page.evaluate((least) => {
+    const numbers = (colour) => colour.match(/[0-9.]+/g).map(Number);
+    const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255)
+      .map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
+      .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
+    const backgroundOf = (element) => {
+      for (let e = element; e; e = e.parentElement) {
+        const [r, g, b, a = 1] = numbers(getComputedStyle(e).backgroundColor);
+        if (a === 1) return [r, g, b];
+        if (a !== 0) return [NaN, NaN, NaN]; // a mixture: is not used
+      }
+      return [NaN, NaN, NaN];
+    };
+    const faults = [];
+    if (document.documentElement.scrollWidth > innerWidth) faults.push("the page is wider than the window");
+    for (const element of document.querySelectorAll("body *")) {
+      const box = element.getBoundingClientRect();
+      if (box.width === 0 || !element.checkVisibility()) continue;
+      if (box.left < -1 || box.right > innerWidth + 1) faults.push(`${element.className} reaches out`);
+      const hasText = [...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim() !== "");
+      if (!hasText) continue;
+      const [a, b] = [luminance(numbers(getComputedStyle(element).color)), luminance(backgroundOf(element))];
+      const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+      if (!(contrast >= least)) faults.push(`"${element.textContent}" has a contrast of ${contrast}`);
+    }
+    return faults;
+  }, kContrast);
+}
+
 // No program outlives the test.
 const children = new Set();
 process.once("exit", () => children.forEach((child) => child.kill("SIGKILL")));
@@ -120,21 +174,23 @@ export async function closeAll(browser) {
   children.forEach((child) => child.kill("SIGKILL"));
 }
 
-// A program that prints the address of a page in a line. ask(command) sends a line and waits for the
-// next one.
-export async function startProgram(program, args) {
+// A program that prints the address of a page in a line, or so many. ask(command) sends a line and waits
+// for the next one.
+export async function startProgram(program, args, count = 1) {
   const child = spawn(program, args, { stdio: ["pipe", "pipe", "inherit"] });
   children.add(child);
   child.once("exit", () => children.delete(child));
   const lines = createInterface({ input: child.stdout })[Symbol.asyncIterator]();
-  let address = null;
-  while (!address) {
+  const addresses = [];
+  while (addresses.length < count) {
     const { value, done } = await lines.next();
     assert.ok(!done, `${program} ended without printing an address`);
-    address = value.match(/http:\/\/[0-9.]+:[0-9]+\/#[0-9a-f]{32}/)?.[0] ?? null;
+    addresses.push(...(value.match(/http:\/\/[0-9.]+:[0-9]+\/#[0-9a-f]{32}/) ?? []));
   }
+  const [address] = addresses;
   return {
     address,
+    addresses,
     port: Number(new URL(address).port),
     child,
     ask: async (command) => {

@@ -6,13 +6,14 @@ import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { assertClean, closeAll, kProject, openBrowser, openPage, pictureFolder, until } from "./chromium.mjs";
+import {
+  assertClean, closeAll, faultsOf, kProject, openBrowser, openPage, openZoomedBrowser, pictureFolder, until,
+} from "./chromium.mjs";
 import { FakeLive } from "./fake_live.mjs";
 
 const kInch_mm = 25.4;
 const kCard_mm = 85.6;
 const kClosed = /WebSocket connection to|Failed to load resource: net::ERR_/; // said by Chromium
-const kContrast = 4.5;
 const kEvents = 1000; // of the mouse, as fast as the browser takes them
 const kEpsilon = 2 ** -52;
 
@@ -30,12 +31,12 @@ const kChecked = {
   refresh_Hz: 60, unadjusted: false, stroke_ratio: null,
 };
 
-// Runs a test with a server and a page. change(fake): sets its hello.
-async function withPage(run, { change = () => {}, options = {} } = {}) {
+// Runs a test with a server and a page. change(fake): sets its hello. other: another browser. complaints: that are expected.
+async function withPage(run, { change = () => {}, options = {}, other, complaints = kClosed } = {}) {
   const fake = await FakeLive.start(`${kProject}/models/star.glb`);
   try {
     change(fake);
-    const page = await openPage(browser, fake.address, options);
+    const page = await openPage(other ?? browser, fake.address, options);
     await until(page, () => (window.palpate?.step() ?? null) !== null);
     try {
       await run(page, fake);
@@ -45,8 +46,8 @@ async function withPage(run, { change = () => {}, options = {} } = {}) {
       error.message += `\n${page.complaints.join("\n")}\nthe page: ${seen}`;
       throw error;
     }
-    assertClean(page, kClosed);
-    await page.context().close();
+    assertClean(page, complaints);
+    if (!other) await page.context().close();
   } finally {
     await fake.stop();
   }
@@ -72,13 +73,15 @@ async function withTrial(run, how = {}) {
   } });
 }
 
-// Waits until the server has received a pointer message for this motion from the start, in pixels.
-async function untilTarget(fake, right_px, up_px, px_per_mm) {
+// Waits until the server has received a pointer message for this motion from the start, in pixels. With a zoom
+// the motion is known to the half pixel to which a window states its width.
+async function untilTarget(fake, right_px, up_px, px_per_mm, zoom = 1) {
   const metres = 1e-3 / px_per_mm;
   const wanted = [kStart_m[0] + metres * up_px, kStart_m[1] - metres * right_px, kStart_m[2]];
   const isThere = () => {
     const newest = fake.pointers.at(-1);
-    return newest && newest.target_m.every((x, k) => Math.abs(x - wanted[k]) < 4096 * kEpsilon);
+    const most_m = zoom === 1 ? 4096 * kEpsilon : 1e-3 * metres * Math.hypot(right_px, up_px);
+    return newest && newest.target_m.every((x, k) => Math.abs(x - wanted[k]) <= most_m);
   };
   for (let i = 0; !isThere(); ++i) {
     assert.ok(i < 1500, `the target is ${fake.pointers.at(-1)?.target_m}; expected ${wanted}`);
@@ -86,17 +89,25 @@ async function untilTarget(fake, right_px, up_px, px_per_mm) {
   }
 }
 
+function assertColour(seen, stated, what) {
+  assert.ok(seen.every((v, k) => Math.abs(v - stated[k]) <= 8), `${what} has ${seen}; expected ${stated}`);
+}
+
 test("the course works with the keyboard alone, and consent needs the tick", async () => {
   await withPage(async (page, fake) => {
-    const press = async (name) => { // with Tab and Enter, from where the focus is
+    const reach = async (name) => { // with Tab, from where the focus is
       for (let i = 0; i < 12; ++i) {
         await page.keyboard.press("Tab");
-        const text = await page.evaluate(() => document.activeElement.textContent || document.activeElement.type);
-        if (text !== name) continue;
-        await page.keyboard.press(name === "checkbox" ? "Space" : "Enter");
-        return;
+        if ((await page.evaluate(() => { // the text of a button, or what else it is
+          const element = document.activeElement;
+          return element.textContent || element.type || element.getAttribute("role");
+        })) === name) return;
       }
       assert.fail(`Tab does not reach ${name}`);
+    };
+    const press = async (name) => {
+      await reach(name);
+      await page.keyboard.press(name === "checkbox" ? "Space" : "Enter");
     };
     const information = "First paragraph.\n\nSecond <b>one</b>.";
     fake.sendStep({ step: "information", title: "Welcome", text: information });
@@ -117,11 +128,49 @@ test("the course works with the keyboard alone, and consent needs the tick", asy
     await page.keyboard.type(" 31 ");
     await press("Go on");
     assert.deepEqual((await fake.next(ofType("about"), 0)).answers, { age: "31" });
+    fake.sendStep({ step: "check", title: "Your screen" });
+    await untilStep(page, "check");
+    await reach("slider");
+    await page.keyboard.press("ArrowLeft");
+    await press("Go on");
+    await press("Fill the screen");
+    await page.locator(".check").filter({ hasText: "four strokes" }).waitFor();
+    await press("Skip"); // strokes need the mouse
+    const { motion, stroke_ratio, css_px_per_mm } = await fake.next(ofType("checked"), 0);
+    assert.deepEqual([motion, stroke_ratio], ["unknown", null]);
+    assert.ok(Math.abs(css_px_per_mm * kCard_mm - ((kCard_mm * 96) / kInch_mm - 1)) < 1e-9);
+    await press("Stop");
+    await press("Do not stop");
     fake.refusal = "not now";
     fake.sendStep({ step: "debriefing", title: "Thank you" });
     await untilStep(page, "debriefing");
     await press("Go on");
     await page.locator("#notice").filter({ hasText: "not now" }).waitFor();
+  });
+});
+
+test("the questionnaire has no preset marks, needs all of them, and works with the keyboard", async () => {
+  await withPage(async (page, fake) => {
+    fake.sendStep({ step: "questionnaire", title: undefined });
+    await page.getByRole("heading", { name: "How was it?" }).waitFor();
+    const scales = page.getByRole("group");
+    assert.equal(await scales.count(), 7);
+    const marks = await scales.evaluateAll((all) => all.map((scale) =>
+      [...scale.querySelectorAll("input")].map(({ value }) => Number(value))));
+    const tlx = Array.from({ length: 21 }, (_, i) => 5 * i);
+    assert.deepEqual(marks, [tlx, tlx, tlx, tlx, tlx, tlx, [1, 2, 3, 4, 5, 6, 7]]);
+    assert.equal(await page.locator("input:checked").count(), 0);
+    for (let scale = 0; scale < 7; ++scale) {
+      assert.ok(await button(page, "Go on").isDisabled());
+      await page.keyboard.press("Tab");
+      await page.keyboard.press("Space"); // marks the first one
+      for (let i = 0; i < scale; ++i) await page.keyboard.press("ArrowRight");
+    }
+    await page.keyboard.press("Tab");
+    await page.keyboard.press("Enter");
+    assert.deepEqual((await fake.next(ofType("rated"), 0)).answers, {
+      tlx_mental: 0, tlx_physical: 5, tlx_temporal: 10, tlx_performance: 15, tlx_effort: 20,
+      tlx_frustration: 25, real: 7 });
   });
 });
 
@@ -170,6 +219,9 @@ test("the input check knows lengths by a card, and whether fast strokes are long
       await button(page, "Fill the screen").click();
       await button(page, "Begin").click();
       await page.locator(".said").filter({ hasText: "Stroke 1 of 4: slowly" }).waitFor();
+      await page.evaluate(() => document.exitPointerLock()); // as Esc does
+      await button(page, "Begin").click();
+      await page.locator(".said").filter({ hasText: "Stroke 1 of 4: slowly" }).waitFor();
       // Events that state their own times, so that a busy machine makes no stroke slower.
       const client = await page.context().newCDPSession(page);
       let now_s = Date.now() / 1000;
@@ -216,10 +268,14 @@ test("a pen needs no strokes, and a participant chooses among the inputs of the 
   }, { change: (fake) => (fake.hello.inputs = ["mouse", "pen"]) });
 });
 
-for (const deviceScaleFactor of [1, 1.5, 2]) {
-  test(`at ${100 * deviceScaleFactor} %, 100 px move the frame by the calibrated length, and no motion is lost`,
-       async () => {
+for (const [deviceScaleFactor, zoom] of [[1, 1], [1.5, 1], [2, 1], [1, 1.5]]) {
+  test(`at ${100 * deviceScaleFactor} % and a zoom of ${zoom}, 100 px move the frame by the calibrated length, and ` +
+       "no motion is lost", async (t) => {
+    const other = zoom === 1 ? undefined : await openZoomedBrowser(zoom);
+    t.after(() => other?.close());
     await withTrial(async (page, fake) => {
+      const ratio = await page.evaluate(() => devicePixelRatio);
+      assert.ok(Math.abs(ratio - zoom * deviceScaleFactor) < 0.01, `${ratio}`);
       assert.equal((await fake.next(ofType("ready"), 0)).trial, 1);
       assert.equal(fake.scenes, 1);
       await untilTarget(fake, 0, 0, 5);
@@ -232,9 +288,9 @@ for (const deviceScaleFactor of [1, 1.5, 2]) {
       await until(page, () => window.palpate.phase() === "running");
       await untilTarget(fake, 0, 0, 5);
       await page.mouse.move(600, 300);
-      await untilTarget(fake, 100, 0, 5);
+      await untilTarget(fake, 100, 0, 5, zoom);
       await page.mouse.move(600, 260, { steps: 40 });
-      await untilTarget(fake, 100, 40, 5);
+      await untilTarget(fake, 100, 40, 5, zoom);
       // Many small motions while the page is busy, so that the browser joins events.
       await page.evaluate(() => {
         const busy = setInterval(() => {
@@ -245,13 +301,13 @@ for (const deviceScaleFactor of [1, 1.5, 2]) {
       const client = await page.context().newCDPSession(page);
       await Promise.all(Array.from({ length: kEvents }, (_, i) => client.send("Input.dispatchMouseEvent", {
         type: "mouseMoved", x: 600 - 0.45 * (i + 1), y: 260 + 0.15 * (i + 1) }))); // without waiting for each
-      await untilTarget(fake, 100 - 0.45 * kEvents, 40 - 0.15 * kEvents, 5);
+      await untilTarget(fake, 100 - 0.45 * kEvents, 40 - 0.15 * kEvents, 5, zoom);
       assert.ok(fake.pointers.every(({ holds }) => holds));
       const sequences = fake.pointers.map(({ sequence }) => sequence);
       assert.ok(sequences.every((n, i) => i === 0 || n > sequences[i - 1]), "sequences count up");
       assert.equal(fake.scenes, 1, "the same object is not fetched again");
-    }, { options: { context: { deviceScaleFactor } },
-         change: (fake) => (fake.hello.checked = { ...kChecked, device_pixel_ratio: deviceScaleFactor }) });
+    }, { options: { context: { deviceScaleFactor } }, other, change: (fake) =>
+      (fake.hello.checked = { ...kChecked, device_pixel_ratio: zoom * deviceScaleFactor }) });
   });
 }
 
@@ -265,6 +321,19 @@ test("a trial of another object fetches it, and the times of pictures are told",
     assert.equal(fake.scenes, 2);
     fake.send({ type: "ring", p_scene_m: [0, 0, 0] });
     await page.locator(".ring").filter({ hasText: "blue ring" }).waitFor();
+    // The proxy is in the middle; 5 px a mm, A1 up, A2 to the left. The ring has a radius of 6 mm.
+    const [middle, rim] = await page.evaluate(() => new Promise((resolve) => {
+      const canvas = document.querySelector(".picture");
+      const gl = canvas.getContext("webgl2");
+      const colour = (x, y) => {
+        const pixel = new Uint8Array(4);
+        gl.readPixels(x, canvas.height - 1 - y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        return [...pixel.subarray(0, 3)];
+      };
+      window.palpate.onPicture(() => resolve([colour(500, 320), colour(500 + 150 + 30, 320 - 150)]));
+    }));
+    assertColour(middle, [0xd8, 0x1b, 0x78], "the ball");
+    assertColour(rim, [0x2f, 0x74, 0xe0], "the ring");
     await page.screenshot({ path: join(pictureFolder(), "course_trial.png") });
     fake.send({ type: "ring", p_scene_m: null });
     await until(page, () => document.querySelector(".ring").textContent === "");
@@ -277,6 +346,7 @@ test("who frees the pointer ends the trial, is told so, and can go on, pause or 
     assert.equal((await fake.next(ofType("left"), 0)).why, "pointer_lock");
     await untilPhase(page, "left");
     const count = fake.pointers.length;
+    assert.deepEqual(await faultsOf(page), []);
     await page.screenshot({ path: join(pictureFolder(), "course_left.png") });
     await button(page, "Pause").last().click();
     await fake.next(ofType("pause"), 0);
@@ -366,11 +436,50 @@ test("a reload or a cut connection comes back to the step of the server", async 
   });
 });
 
+test("a page without its token, or of another version, says so", async () => {
+  const fake = await FakeLive.start(`${kProject}/models/star.glb`);
+  try {
+    const stranger = await openPage(browser, fake.address.split("#")[0]);
+    await stranger.locator("#connection").filter({ hasText: "without its whole address" }).waitFor();
+    fake.hello.version = 3;
+    const old = await openPage(browser, fake.address);
+    await old.locator("#connection").filter({ hasText: "another version" }).waitFor();
+    for (const page of [stranger, old]) {
+      assertClean(page);
+      await page.context().close();
+    }
+  } finally {
+    await fake.stop();
+  }
+});
+
+test("a drawing that the browser has taken away counts no pictures", async () => {
+  await withTrial(async (page, fake) => {
+    await fake.next((m) => m.type === "frames" && m.times_ms.length > 0, 0);
+    const drawn = await page.evaluate(async () => {
+      const canvas = document.querySelector(".picture");
+      const lost = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+      const isLost = new Promise((resolve) => canvas.addEventListener("webglcontextlost", resolve));
+      lost.loseContext();
+      await isLost;
+      const before = window.palpate.pictures();
+      await new Promise((resolve) => setTimeout(resolve, 300));
+      const during = window.palpate.pictures() - before;
+      setTimeout(() => lost.restoreContext());
+      return { before, during };
+    });
+    assert.equal(drawn.during, 0);
+    await until(page, (n) => window.palpate.pictures() > n, drawn.before);
+  }, { complaints: /Context (Lost|Restored)/ });
+});
+
 test("each word of the page is used", () => {
   const folder = join(kProject, "engine/viewer/page");
   const source = readdirSync(folder).filter((name) => name.endsWith(".ts"))
     .map((name) => readFileSync(join(folder, name), "utf8")).join("\n");
-  const made = /^(stroke_(slow|fast|too_\w+)|about_(age|gender|hand|experience|left|right|both))$/; // by parts
+  const made = new RegExp("^(stroke_(slow|fast|too_\\w+)|about_(age|gender|hand|experience|left|right|both)|" +
+    `title_(${source.match(/type StepName =([^;]*);/)[1].match(/\w+/g).join("|")})|` +
+    "(tlx_(mental|physical|temporal|performance|effort|frustration)|real)_(name|text))$"); // by parts
   const words = JSON.parse(readFileSync(join(folder, "live_words.json"), "utf8"));
   assert.deepEqual(Object.keys(words).filter((key) => !made.test(key) && !source.includes(`"${key}"`)), []);
 });
@@ -396,38 +505,6 @@ test("the words, the language and the direction are those of the server", async 
   }) });
 });
 
-// The texts on the page whose contrast to their background is below kContrast, and what does not fit into the
-// window.
-function faultsOf(page) {
-  return page.evaluate((least) => {
-    const numbers = (colour) => colour.match(/[0-9.]+/g).map(Number);
-    const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255)
-      .map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
-      .reduce((sum, v, k) => sum + v * [0.2126, 0.7152, 0.0722][k], 0);
-    const backgroundOf = (element) => {
-      for (let e = element; e; e = e.parentElement) {
-        const [r, g, b, a = 1] = numbers(getComputedStyle(e).backgroundColor);
-        if (a === 1) return [r, g, b];
-        if (a !== 0) return [NaN, NaN, NaN]; // a mixture: is not used
-      }
-      return [NaN, NaN, NaN];
-    };
-    const faults = [];
-    if (document.documentElement.scrollWidth > innerWidth) faults.push("the page is wider than the window");
-    for (const element of document.querySelectorAll("body *")) {
-      const box = element.getBoundingClientRect();
-      if (box.width === 0 || !element.checkVisibility()) continue;
-      if (box.left < -1 || box.right > innerWidth + 1) faults.push(`${element.className} reaches out`);
-      const hasText = [...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim() !== "");
-      if (!hasText) continue;
-      const [a, b] = [luminance(numbers(getComputedStyle(element).color)), luminance(backgroundOf(element))];
-      const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
-      if (!(contrast >= least)) faults.push(`"${element.textContent}" has a contrast of ${contrast}`);
-    }
-    return faults;
-  }, kContrast);
-}
-
 const kText = "Sentences of a text that a plan states, which are long enough for more than one line. ".repeat(6);
 const kSteps = [
   { step: "information", title: "What this is about", text: `${kText}\n\n${kText}` },
@@ -435,6 +512,7 @@ const kSteps = [
   { step: "check", title: "Your screen and your mouse" },
   { step: "about", title: "About you", about: ["age", "gender", "hand", "experience"] },
   { step: "block", title: "Second block", text: kText, number: 2 },
+  { step: "questionnaire", title: undefined },
   { step: "break", title: "A break", text: "Look out of the window.", remaining_s: 95, may_go_on: false },
   { step: "paused", title: "Pause" },
   { step: "stopped", title: "You have stopped", text: kText },

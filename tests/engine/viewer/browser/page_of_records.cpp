@@ -125,8 +125,8 @@ class FixedModel final : public ViewModel {
 
   std::uint64_t take_ticks(std::vector<TickSummary>&) override { return 0; }
   double rate_Hz() const override { return 1000.0; }
-  std::string hello() override;
-  std::string status(std::size_t clients) override {
+  std::string hello(PageRole role) override;
+  std::string status(PageRole, std::size_t clients) override {
     return json{{"type", "status"},
                 {"rate_Hz", 1000},
                 {"missed", 0},
@@ -162,7 +162,7 @@ class FixedModel final : public ViewModel {
   std::vector<BodyPose> bodies_;
 };
 
-std::string FixedModel::hello() {
+std::string FixedModel::hello(PageRole /*role*/) {
   const Box& box = scene_.statistics().bounds_scene;
   const auto numbers = [](const Vec3& v) { return json::array({v.x(), v.y(), v.z()}); };
   json hello = {{"type", "hello"}, {"version", kViewVersion}, {"engine", "test"}};

@@ -12,11 +12,13 @@ import { roundStep } from "@page/felt_scene.ts";
 import { readFeltGlb } from "@page/felt_glb.ts";
 import { History, kBucket_s, kSpan_s } from "@page/history.ts";
 import { Keys } from "@page/keys.ts";
+import { timeLeft, Words } from "@page/live_words.ts";
 import { paperColours } from "@page/paper_display.ts";
 import { PicturePacer } from "@page/picture_pacer.ts";
 import { decodeBinary, encodePointer, type Ticks } from "@page/protocol.ts";
 import { decodeRecord, recordBytes, type TickRecord } from "@page/record.ts";
 import { Journey } from "@page/status.ts";
+import { faultOf, isEven, motionOf, strokeRatio } from "@page/strokes.ts";
 import { faultsInWords, touchedInWords } from "@page/words.ts";
 import { ViewCamera } from "@page/view_camera.ts";
 
@@ -364,4 +366,30 @@ test("the top view at a scale shows a length with its pixels, and the centre in 
     const a2 = camera.pixelOf(new Vector3(1, 2.01, 2.7));
     assert.ok(Math.abs(middle.x - a2.x - 37.795) < kRoundoff_px);
   }
+});
+
+test("strokes of a mouse count only if they are as slow or as fast as asked", () => {
+  assert.equal(faultOf("slow", 300, 2), null);
+  assert.equal(faultOf("slow", 300, 1.9), "too_fast");
+  assert.equal(faultOf("fast", 300, 0.5), null);
+  assert.equal(faultOf("fast", 300, 0.6), "too_slow");
+  assert.equal(faultOf("fast", 39, 0.1), "too_short");
+});
+
+test("a mouse whose fast strokes are longer or shorter by a quarter is accelerated", () => {
+  assert.equal(strokeRatio([300, 330, 310, 341]), 671 / 610);
+  assert.ok(isEven(1.2) && isEven(1 / 1.2) && !isEven(1.3) && !isEven(1 / 1.3));
+  assert.equal(motionOf(1.1, false), "unaccelerated"); // what was measured counts,
+  assert.equal(motionOf(2, true), "accelerated");
+  assert.equal(motionOf(null, true), "unaccelerated"); // else what the browser has granted
+  assert.equal(motionOf(null, false), "unknown");
+});
+
+test("words are those of the server, and the English ones where it has none", () => {
+  const words = new Words();
+  assert.equal(words.get("block_of", { number: 2, of: 3 }), "Block 2 of 3");
+  words.set({ block_of: "{of} Bl\u00f6cke, Nr. {number}, {nothing}", no_such_key: "x" });
+  assert.equal(words.get("block_of", { number: 2, of: 3 }), "3 Bl\u00f6cke, Nr. 2, {nothing}");
+  assert.equal(words.get("pause"), "Pause");
+  assert.deepEqual([0, -3, 59.2, 60, 605].map(timeLeft), ["0:00", "0:00", "1:00", "1:00", "10:05"]);
 });

@@ -58,7 +58,8 @@ def _medians(compared: list[Compared]) -> Table:
     rows: list[Row] = []
     for each in compared:
         cells: list[Cell] = [each.rating.name]
-        for values in each.values.T:
+        for place in range(len(each.conditions)):
+            values = each.values[:, place]
             low, median, high = (number_or_dash(end) for end in quartiles(values))
             n = int((values == values).sum())
             cells.append(f"{median} ({low} to {high}), n\u00a0{n}")

@@ -156,7 +156,8 @@ def ratings_table(found: Questionnaires | None) -> pd.DataFrame:
     """A row for each rating and condition."""
     rows: list[list[Any]] = []
     for compared in found.compared if found else ():
-        for condition, values in zip(compared.conditions, compared.values.T):
+        for place, condition in enumerate(compared.conditions):
+            values = compared.values[:, place]
             low, median, high = quartiles(values)
             there = values[~np.isnan(values)]
             mean = there.mean() if len(there) else np.nan

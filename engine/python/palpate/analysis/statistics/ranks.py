@@ -85,7 +85,7 @@ def signed_rank(a: ArrayLike, b: ArrayLike) -> SignedRank:
 def _distribution(ranks: Array) -> Array:
     """The probability of each sum of twice the ranks, which are whole numbers: each rank is in the
     sum or not, with equal chance."""
-    chances = np.ones(1)
+    chances: Array = np.ones(1)
     for rank in np.rint(2.0 * ranks).astype(int):
         chances = 0.5 * (np.pad(chances, (0, rank)) + np.pad(chances, (rank, 0)))
     return chances
@@ -100,7 +100,7 @@ def _p(ranks: Array, w: float) -> float:
 def _place(n: int) -> int:
     """The largest number k with P(W < k) <= 2.5 % for the signed ranks of n differences without
     ties: the ends of the interval are the kth smallest and largest mean of two differences."""
-    below = np.cumsum(_distribution(np.arange(1.0, n + 1.0))[::2])
+    below = np.cumsum(_distribution(np.asarray(range(1, n + 1), dtype=float))[::2])
     return int(np.searchsorted(below, 0.5 * (1.0 - COVERAGE), side="right"))
 
 

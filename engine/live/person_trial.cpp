@@ -1,0 +1,104 @@
+#include "engine/live/person_trial.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace palpate {
+
+RunSetup PersonTrial::setup_of(const ExperimentScene& scene, const Vec3& start_scene_m,
+                               const PersonTrialSettings& settings) {
+  RunSetup setup = scene.setup;
+  setup.haptics.force = settings.force;
+  setup.haptics.a4.enabled = settings.a4;
+  if (settings.hand_m) {
+    ScenePose& pose = setup.haptics.initial_pose;
+    const Vec3 shift_m = *settings.hand_m - pose.point(start_scene_m);
+    pose.translation_m += Vec3(shift_m.x(), shift_m.y(), 0.0);
+  }
+  return setup;
+}
+
+Result<std::unique_ptr<PersonTrial>> PersonTrial::create(const ExperimentScene& scene,
+                                                         const Vec3& start_scene_m,
+                                                         const PersonTrialSettings& settings,
+                                                         GuardableDevice* board) {
+  const RunSetup setup = setup_of(scene, start_scene_m, settings);
+  if (auto error = check_setup(scene.scene, setup)) return *error;
+  const Vec3 start_m = setup.haptics.initial_pose.point(start_scene_m);
+  std::unique_ptr<PersonTrial> trial(new PersonTrial(scene, setup, start_m, settings));
+  if (auto error = trial->make_rig(scene.scene, setup, settings, board)) return *error;
+  return trial;
+}
+
+PersonTrial::PersonTrial(const ExperimentScene& scene, const RunSetup& setup,
+                         const Vec3& start_device_m, const PersonTrialSettings& settings)
+    : pointer_(setup.device, start_device_m),
+      clock_(settings.has_clock
+                 ? std::make_unique<TrialClock>(scene.way, settings.trial,
+                                                setup.haptics.god_object.radius_m, setup.dt_s)
+                 : nullptr),
+      watch_(clock_.get(), setup.dt_s, settings.longest_lateness_s) {}
+
+std::optional<Error> PersonTrial::make_rig(const Scene& scene, const RunSetup& setup,
+                                           const PersonTrialSettings& settings,
+                                           GuardableDevice* board) {
+  std::vector<TickObserver*> observers;
+  if (clock_) observers.push_back(clock_.get());
+  observers.push_back(&watch_);
+  Device& device = board == nullptr ? static_cast<Device&>(pointer_) : *board;
+  auto rig =
+      Rig::create(scene, setup, device,
+                  {.observers = observers,
+                   .sink = settings.sink,
+                   // Motors that turn with the linkage are what it can push; two of them push
+                   // everywhere, and the plan's axis is a choice.
+                   .takes_motors = board != nullptr && board->description().motor_count == 1});
+  if (!rig) return rig.error();
+  rig_ = std::move(*rig);
+  const std::size_t most_moving =
+      setup.moves.empty() ? 0 : std::min(scene.objects().size(), LiveWorld::kMostMoving);
+  publisher_.emplace(rig_->loop(), board == nullptr ? &pointer_ : nullptr, most_moving);
+  rig_->session().observe(*publisher_);
+  const HapticThreadSettings thread{1.0 / setup.dt_s, 0, settings.cpu};
+  if (board == nullptr) {
+    thread_ = std::make_unique<HapticThread>(rig_->session(), thread);
+  } else {
+    guarded_ = std::make_unique<GuardedRun>(
+        *board, rig_->session(),
+        GuardedRunSettings{thread, settings.has_guard, settings.without_realtime});
+  }
+  return std::nullopt;
+}
+
+PersonTrial::~PersonTrial() {
+  stop();
+}
+
+std::optional<Error> PersonTrial::start() {
+  if (guarded_) {
+    if (auto error = guarded_->start()) return error;
+    warnings_ = guarded_->warnings();
+    return std::nullopt;
+  }
+  RealtimeStatus status = thread_->start();
+  if (!status.explanation.empty()) warnings_.push_back(std::move(status.explanation));
+  return std::nullopt;
+}
+
+void PersonTrial::stop() {
+  if (thread_) thread_->stop();
+  if (guarded_) guarded_->stop();
+  if (rig_) rig_->session().stop();
+}
+
+std::optional<TripReason> PersonTrial::trip() const {
+  GovernorStatus governor;
+  if (!rig_->session().latest(governor) || governor.trips == 0) return std::nullopt;
+  return governor.trip.reason;
+}
+
+std::uint64_t PersonTrial::missed_deadlines() const {
+  return thread_ ? thread_->missed_deadlines() : guarded_->thread().missed_deadlines();
+}
+
+}  // namespace palpate
