@@ -132,7 +132,8 @@ Result<bool> LiveRun::wait_until_ready(std::size_t scene, const char* step, std:
       continue;
     }
     // A page that was loaded again does not know the trial.
-    const bool asks_again = request->type == "next" && request->body["step"] == step_json()["step"];
+    const bool asks_again =
+        request->type == "next" && request->body["step"].get<std::string>() == step_name();
     if (asks_again) {
       pages_.answer(*request, std::nullopt);
       if (auto error = show_scene(scene, step, number)) return *error;
@@ -148,7 +149,8 @@ Result<bool> LiveRun::wait_until_ready(std::size_t scene, const char* step, std:
 // The page was told twice of the trial that runs, and is ready twice.
 bool LiveRun::answer_again(const LiveRequest& request) {
   if (request.type != "ready") return false;
-  const bool is_this = request.body["trial"] == shown_trial_["number"];
+  const bool is_this =
+      request.body["trial"].get<std::uint64_t>() == shown_trial_["number"].get<std::uint64_t>();
   pages_.answer(request,
                 is_this ? std::nullopt : std::optional<std::string>("ready: is another trial"));
   return true;
