@@ -161,7 +161,7 @@ std::optional<Error> read_about(Exported& found) {
     if (!json->is_object()) return in_file(path, "", "is no object; expected the answers");
     for (const auto& [key, value] : json->items()) {
       const auto item = std::find_if(kAboutItems.begin(), kAboutItems.end(),
-                                     [&](const auto& known) { return known[0] == key; });
+                                     [&name = key](const auto& known) { return known[0] == name; });
       if (item == kAboutItems.end() || !value.is_string()) {
         return in_file(path, "/" + key,
                        "is unknown or no text; expected texts of age, gender, "

@@ -24,8 +24,8 @@ Error live_error(std::string element, std::string problem, std::string hint = {}
 // UTF-8 in which no control character stands but newline and tab.
 bool is_prose(const std::string& text) {
   const Json json(text);
-  using enum Json::error_handler_t;
-  const bool is_utf8 = json.dump(-1, ' ', false, replace) == json.dump(-1, ' ', false, ignore);
+  const bool is_utf8 = json.dump(-1, ' ', false, Json::error_handler_t::replace) ==
+                       json.dump(-1, ' ', false, Json::error_handler_t::ignore);
   return is_utf8 && std::none_of(text.begin(), text.end(), [](char c) {
            return (c >= 0 && c < ' ' && c != '\n' && c != '\t' && c != '\r') || c == 0x7f;
          });
