@@ -3,21 +3,22 @@
 #include <optional>
 
 #include "engine/trials/csv_cells.h"
+#include "engine/trials/strict_json.h"
+#include "engine/trials/trials_file.h"
 
 namespace palpate {
 namespace {
 
-using Row = QuestionnaireRow;
-using Field = CsvCells<Row>;
+using Answer = CsvCells<QuestionnaireRow>;
 
 constexpr WholeRange kValues{0, 100};
 
 // The item is read before.
-Cell<Row> value_on_its_scale() {
-  const Cell<Row> whole = Field::whole(&Row::value, kValues);
+Cell<QuestionnaireRow> value_on_its_scale() {
+  const Cell<QuestionnaireRow> whole = Answer::whole(&QuestionnaireRow::value, kValues);
   return {
       whole.write,
-      [whole](const std::string& field, Row& row) -> std::optional<FieldError> {
+      [whole](const std::string& field, QuestionnaireRow& row) -> std::optional<FieldError> {
         if (auto error = whole.read(field, row)) return error;
         const QuestionnaireScale scale = scale_of(row.item);
         if (scale.contains(row.value)) return std::nullopt;
@@ -30,18 +31,19 @@ Cell<Row> value_on_its_scale() {
       whole.values};
 }
 
-CsvTable<Row> make_table() {
-  CsvTable<Row> table;
+CsvTable<QuestionnaireRow> make_table() {
+  CsvTable<QuestionnaireRow> table;
   table.columns = {
-      {"participant", "", "the person", "", Presence::kRequired, Field::name(&Row::participant)},
+      {"participant", "", "the person", "", Presence::kRequired,
+       Answer::name(&QuestionnaireRow::participant)},
       {"haptic", "", "commanded force: " + meanings_of(kHapticLevels, " ", ", "), "",
-       Presence::kRequired, Field::level(&Row::haptic, kHapticNames)},
+       Presence::kRequired, Answer::level(&QuestionnaireRow::haptic, kHapticNames)},
       {"rotation", "", rotation_meaning(), "", Presence::kRequired,
-       Field::level(&Row::rotation, kRotationNames)},
+       Answer::level(&QuestionnaireRow::rotation, kRotationNames)},
       {"item", "",
        "the question: tlx_mental, tlx_physical, tlx_temporal, tlx_performance, tlx_effort and "
        "tlx_frustration of NASA-TLX; real: how real the contacts felt",
-       "", Presence::kRequired, Field::level(&Row::item, kQuestionnaireItemNames)},
+       "", Presence::kRequired, Answer::level(&QuestionnaireRow::item, kQuestionnaireItemNames)},
       {"value", "1", "the answer: of tlx items 0 to 100 in steps of 5, of real 1 to 7", "",
        Presence::kRequired, value_on_its_scale()},
   };
@@ -51,7 +53,7 @@ CsvTable<Row> make_table() {
            ", as in the first line";
   };
   table.noun = "answer";
-  table.description = [](const Row& row) {
+  table.description = [](const QuestionnaireRow& row) {
     return "participant " + row.participant + ", " + row.haptic + ", " + row.rotation + ", " +
            std::string(kQuestionnaireItemNames[static_cast<std::size_t>(row.item)]);
   };
@@ -78,6 +80,12 @@ std::string questionnaire_columns_csv() {
 Result<std::vector<QuestionnaireRow>> parse_questionnaires(std::string_view text,
                                                            const std::string& path) {
   return read_table(questionnaire_table(), text, path);
+}
+
+Result<std::vector<QuestionnaireRow>> read_questionnaires(const std::string& path) {
+  const auto text = read_settings_text(path, kMostTrialsBytes);
+  if (!text) return text.error();
+  return parse_questionnaires(*text, path);
 }
 
 }  // namespace palpate
