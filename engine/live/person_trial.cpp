@@ -59,46 +59,17 @@ std::optional<Error> PersonTrial::make_rig(const Scene& scene, const RunSetup& s
       setup.moves.empty() ? 0 : std::min(scene.objects().size(), LiveWorld::kMostMoving);
   publisher_.emplace(rig_->loop(), board == nullptr ? &pointer_ : nullptr, most_moving);
   rig_->session().observe(*publisher_);
-  const HapticThreadSettings thread{1.0 / setup.dt_s, 0, settings.cpu};
-  if (board == nullptr) {
-    thread_ = std::make_unique<HapticThread>(rig_->session(), thread);
-  } else {
-    guarded_ = std::make_unique<GuardedRun>(
-        *board, rig_->session(),
-        GuardedRunSettings{thread, settings.has_guard, settings.without_realtime});
-  }
+  thread_.emplace(
+      rig_->session(), board,
+      GuardedRunSettings{
+          {1.0 / setup.dt_s, 0, settings.cpu}, settings.has_guard, settings.without_realtime});
   return std::nullopt;
-}
-
-PersonTrial::~PersonTrial() {
-  stop();
-}
-
-std::optional<Error> PersonTrial::start() {
-  if (guarded_) {
-    if (auto error = guarded_->start()) return error;
-    warnings_ = guarded_->warnings();
-    return std::nullopt;
-  }
-  RealtimeStatus status = thread_->start();
-  if (!status.explanation.empty()) warnings_.push_back(std::move(status.explanation));
-  return std::nullopt;
-}
-
-void PersonTrial::stop() {
-  if (thread_) thread_->stop();
-  if (guarded_) guarded_->stop();
-  if (rig_) rig_->session().stop();
 }
 
 std::optional<TripReason> PersonTrial::trip() const {
   GovernorStatus governor;
   if (!rig_->session().latest(governor) || governor.trips == 0) return std::nullopt;
   return governor.trip.reason;
-}
-
-std::uint64_t PersonTrial::missed_deadlines() const {
-  return thread_ ? thread_->missed_deadlines() : guarded_->thread().missed_deadlines();
 }
 
 }  // namespace palpate

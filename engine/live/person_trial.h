@@ -12,8 +12,7 @@
 #include "engine/live/pointed_device.h"
 #include "engine/live/trial_watch.h"
 #include "engine/rig/rig.h"
-#include "engine/session/guarded_run.h"
-#include "engine/session/haptic_thread.h"
+#include "engine/session/session_thread.h"
 #include "engine/trials/experiment_scene.h"
 #include "engine/trials/trial_clock.h"
 #include "engine/viewer/state_publisher.h"
@@ -47,23 +46,22 @@ class PersonTrial {
                                                      const Vec3& start_scene_m,
                                                      const PersonTrialSettings& settings,
                                                      GuardableDevice* board);
-  ~PersonTrial();  // calls stop()
 
   // The setup of a session with these settings.
   static RunSetup setup_of(const ExperimentScene& scene, const Vec3& start_scene_m,
                            const PersonTrialSettings& settings);
 
   // Starts the haptic thread. An Error names what the device or its guard lacks.
-  std::optional<Error> start();
+  std::optional<Error> start() { return thread_->start(); }
   // Ends the thread after zero force.
-  void stop();
+  void stop() { thread_->stop(); }
 
   const TrialWatch& watch() const { return watch_; }
   // Requires has_clock and stop().
   const TrialClock& clock() const { return *clock_; }
-  std::uint64_t missed_deadlines() const;
+  std::uint64_t missed_deadlines() const { return thread_->thread().missed_deadlines(); }
   // One line each, after start(): privileges that the system refused.
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  const std::vector<std::string>& warnings() const { return thread_->warnings(); }
 
   void point(const PointerMessage& message) { pointer_.point(message); }
   bool newest(ViewState& state, std::vector<BodyPose>& bodies) const {
@@ -86,9 +84,7 @@ class PersonTrial {
   TrialWatch watch_;
   std::unique_ptr<Rig> rig_;
   std::optional<StatePublisher> publisher_;
-  std::unique_ptr<HapticThread> thread_;  // with a pointer
-  std::unique_ptr<GuardedRun> guarded_;   // with a board
-  std::vector<std::string> warnings_;
+  std::optional<SessionThread> thread_;
 };
 
 }  // namespace palpate

@@ -140,43 +140,25 @@ ViewSession::ViewSession(const Scene& scene, const RunSetup& setup, const ViewSe
       start_inside_news_(rig_->start_inside()),
       page_settings_(scene, hand_->live, rig_->tuner(), device == nullptr, device == nullptr),
       publisher_(rig_->loop(), device == nullptr ? &hand_->plan : nullptr,
-                 most_moving(scene, setup)) {
+                 most_moving(scene, setup)),
+      thread_(
+          session(), device,
+          {{1.0 / setup.dt_s, 0, settings.cpu}, settings.has_guard, settings.without_realtime}) {
   session().observe(publisher_);
   if (device == nullptr) session().observe(hand_->simulated);
-  const HapticThreadSettings thread{1.0 / setup.dt_s, 0, settings.cpu};
-  if (device == nullptr) {
-    thread_ = std::make_unique<HapticThread>(session(), thread);
-  } else {
-    guarded_ = std::make_unique<GuardedRun>(
-        *device, session(),
-        GuardedRunSettings{thread, settings.has_guard, settings.without_realtime});
-  }
 }
 
 ViewSession::~ViewSession() {
   stop();
 }
 
-const HapticThread& ViewSession::thread() const {
-  return thread_ ? *thread_ : guarded_->thread();
-}
-
 std::optional<Error> ViewSession::start() {
   counted_at_ = std::chrono::steady_clock::now();
-  if (guarded_) {
-    if (auto error = guarded_->start()) return error;
-    warnings_ = guarded_->warnings();
-    return std::nullopt;
-  }
-  RealtimeStatus status = thread_->start();
-  if (!status.explanation.empty()) warnings_.push_back(std::move(status.explanation));
-  return std::nullopt;
+  return thread_.start();
 }
 
 void ViewSession::stop() {
-  if (thread_) thread_->stop();
-  if (guarded_) guarded_->stop();
-  session().stop();
+  thread_.stop();
 }
 
 bool ViewSession::newest(ViewState& state, std::vector<BodyPose>& bodies) {

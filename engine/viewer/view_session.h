@@ -12,9 +12,8 @@
 
 #include "engine/devices/guardable_device.h"
 #include "engine/rig/rig.h"
-#include "engine/session/guarded_run.h"
-#include "engine/session/haptic_thread.h"
 #include "engine/session/run_setup.h"
+#include "engine/session/session_thread.h"
 #include "engine/session/start_inside.h"
 #include "engine/session/tick_sink.h"
 #include "engine/simulation/simulated_device.h"
@@ -76,8 +75,8 @@ class ViewSession final : public ViewModel {
   void stop();
 
   // One line each, after start(): privileges that the system refused.
-  const std::vector<std::string>& warnings() const { return warnings_; }
-  const HapticThread& thread() const;
+  const std::vector<std::string>& warnings() const { return thread_.warnings(); }
+  const HapticThread& thread() const { return thread_.thread(); }
 
   bool newest(ViewState& state, std::vector<BodyPose>& bodies) override;
   std::uint64_t take_ticks(std::vector<TickSummary>& rows) override;
@@ -122,9 +121,7 @@ class ViewSession final : public ViewModel {
   StartInsideNews start_inside_news_;
   PageSettings page_settings_;
   StatePublisher publisher_;
-  std::unique_ptr<HapticThread> thread_;  // with the simulated hand
-  std::unique_ptr<GuardedRun> guarded_;   // with a device
-  std::vector<std::string> warnings_;
+  SessionThread thread_;
 
   // Of the network thread.
   bool is_paused_ = false;
