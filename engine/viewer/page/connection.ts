@@ -82,6 +82,13 @@ export function takeToken(): string | null {
   return sessionStorage.getItem(tokenKey());
 }
 
+// The bytes of a scene. path: such as "felt.glb". Throws an Error.
+export async function fetchScene(path: string, token: string | null): Promise<ArrayBuffer> {
+  const answer = await fetch(path, { headers: { "Palpate-Token": token ?? "" } });
+  if (!answer.ok) throw new Error(`/${path}: the server answers ${answer.status}`);
+  return answer.arrayBuffer();
+}
+
 export class Connection<Hello extends Greeting, Message extends { type: string }> {
   private socket: WebSocket | null = null;
   private isGreeted = false;

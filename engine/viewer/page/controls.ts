@@ -1,5 +1,6 @@
 // The settings that the server offers: one control each, with a key, an accessible name and an answer.
 
+import { make } from "./dom.ts";
 import { keyName, type Keys } from "./keys.ts";
 import type { Answer, Setting, SettingValue } from "./protocol.ts";
 
@@ -16,14 +17,6 @@ interface Control {
   readonly element: HTMLElement;
   show(value: SettingValue): void;
   activate(): void; // by its key
-}
-
-function make<K extends keyof HTMLElementTagNameMap>(
-  tag: K, className = "", text = ""): HTMLElementTagNameMap[K] {
-  const made = document.createElement(tag);
-  if (className) made.className = className;
-  if (text) made.textContent = text;
-  return made;
 }
 
 function keyHint(key: string | null): HTMLElement {

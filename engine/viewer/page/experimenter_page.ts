@@ -5,9 +5,9 @@ import "./experimenter.css";
 
 import type { ConnectionState } from "./connection.ts";
 import { make, makeButton } from "./dom.ts";
-import type {
-  AttemptStatus, ExperimenterAsk, ExperimenterHello, ExperimenterMessage, ExperimenterRequest,
-  ExperimenterStatus, StepName, Trial,
+import {
+  kEnds, type AttemptStatus, type ExperimenterAsk, type ExperimenterHello, type ExperimenterMessage,
+  type ExperimenterRequest, type ExperimenterStatus, type StepName, type Trial,
 } from "./live_protocol.ts";
 import { kUncalibrated_px_per_mm, PaperDisplay } from "./paper_display.ts";
 import type { State, Vector3 } from "./protocol.ts";
@@ -33,7 +33,6 @@ const kSteps: Record<StepName, string> = {
   questionnaire: "Questionnaire", break: "Break", paused: "Paused", debriefing: "Debriefing",
   done: "Complete", stopped: "Stopped by the participant", refused: "No consent",
 };
-const kEnds: readonly StepName[] = ["done", "stopped", "refused"];
 const kStatuses: readonly AttemptStatus[] = ["done", "aborted", "skipped", "timeout", "fault"];
 
 export interface ExperimenterHost {

@@ -1,7 +1,7 @@
 // The input check of a participant: what moves, the size of the screen by a bank card, full screen, and
 // whether the system accelerates a mouse.
 
-import { fillScreen, fillsScreen, isLocked, lockPointer, type LockKind } from "./capture.ts";
+import { fillScreen, isLocked, lockPointer, type LockKind } from "./capture.ts";
 import { CardRuler, kCardWidth_mm } from "./card_ruler.ts";
 import { make, makeButton, paragraphs } from "./dom.ts";
 import type { Checked, Input, Motion } from "./live_protocol.ts";
@@ -79,7 +79,7 @@ export class InputCheck {
     const problem = make("p", "problem");
     problem.setAttribute("role", "alert");
     const button = makeButton(this.words.get("full_screen"), async () => {
-      const fills = (await fillScreen()) || fillsScreen();
+      const fills = await fillScreen();
       problem.textContent = fills ? "" : this.words.get("full_screen_failed");
       if (!fills) return;
       if (this.input === "mouse") this.askStrokes();

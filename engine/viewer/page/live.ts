@@ -3,12 +3,13 @@
 
 import "./live.css";
 
-import { Connection, takeToken, type ConnectionState } from "./connection.ts";
+import { Connection, fetchScene, takeToken, type ConnectionState } from "./connection.ts";
 import { make, makeButton } from "./dom.ts";
 import { experimenterConnectionWords, ExperimenterPage } from "./experimenter_page.ts";
 import { Screen } from "./live_screens.ts";
-import type {
-  Checked, ExperimenterHello, ExperimenterMessage, LiveHello, LiveMessage, LiveRequest, Step, StepName,
+import {
+  kEnds, type Checked, type ExperimenterHello, type ExperimenterMessage, type ExperimenterRequest,
+  type LiveHello, type LiveMessage, type LiveRequest, type Step,
 } from "./live_protocol.ts";
 import { Words, type WordKey } from "./live_words.ts";
 import type { Answer, State } from "./protocol.ts";
@@ -21,8 +22,6 @@ const kConnectionWords: Record<ConnectionState, WordKey | null> = {
   "wrong version": "connection_wrong_version",
 };
 const kNotConnected: Answer = { type: "answer", id: 0, ok: false, problem: "not connected" };
-// Steps from which there is nothing to stop.
-const kEnds: readonly StepName[] = ["done", "stopped", "refused"];
 
 function element<T extends HTMLElement>(id: string): T {
   return document.getElementById(id) as T;
@@ -60,7 +59,7 @@ class LivePage {
         ask: (request) => this.ask(request),
         tell: (notice) => this.connection?.tell(notice),
         point: (target_m, isHeld) => void this.connection?.point(target_m, isHeld),
-        fetchScene: () => this.fetchScene(),
+        fetchScene: () => fetchScene("felt.glb", this.token),
         pause: () => void this.pause(),
         stop: () => this.askStop(),
         say: (problem) => this.say(problem),
@@ -74,14 +73,8 @@ class LivePage {
     }
   }
 
-  private async ask(request: LiveRequest) {
+  private async ask(request: LiveRequest | ExperimenterRequest): Promise<Answer> {
     return this.connection?.request(request) ?? kNotConnected;
-  }
-
-  private async fetchScene(): Promise<ArrayBuffer> {
-    const answer = await fetch("felt.glb", { headers: { "Palpate-Token": this.token ?? "" } });
-    if (!answer.ok) throw new Error(`/felt.glb: the server answers ${answer.status}`);
-    return answer.arrayBuffer();
   }
 
   private connectionChanged(state: ConnectionState): void {
@@ -95,8 +88,8 @@ class LivePage {
 
   private greetExperimenter(hello: ExperimenterHello): void {
     this.experimenter ??= new ExperimenterPage({
-      ask: async (request) => this.connection?.request(request) ?? kNotConnected,
-      fetchScene: () => this.fetchScene(),
+      ask: (request) => this.ask(request),
+      fetchScene: () => fetchScene("felt.glb", this.token),
     });
     this.experimenter.greet(hello);
   }
@@ -210,7 +203,7 @@ class LivePage {
       phase: () => this.trial?.phase ?? "none",
       pictures: () => shown()?.pictures ?? 0,
       drawnBodies: () => shown()?.drawnBodies ?? 0,
-      drawnTick: () => shown()?.drawn?.record.tick ?? -1,
+      drawnTick: () => shown()?.drawnTick ?? -1,
       green: () => this.trial?.green ?? null, // centre of the green sphere, scene frame
       pixels_per_m: () => shown()?.pixels_per_m ?? NaN,
       sent: () => this.connection?.lastPointer ?? 0, // sequence of the last pointer message

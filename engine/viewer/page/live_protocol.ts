@@ -7,6 +7,9 @@ export type StepName =
   | "information" | "consent" | "check" | "instructions" | "about" | "learning" | "practice" | "block"
   | "questionnaire" | "break" | "paused" | "debriefing" | "done" | "stopped" | "refused";
 
+// The steps after which nothing comes.
+export const kEnds: readonly StepName[] = ["done", "stopped", "refused"];
+
 export interface Step {
   step: StepName;
   title?: string; // absent: the page's own
@@ -52,7 +55,6 @@ export interface LiveHello {
   checked?: Checked | null; // of this participant, before a reload
   inputs: Input[];
   rate_Hz: number;
-  is_script: boolean; // a script takes part, and this page only shows it
   step: Step;
 }
 

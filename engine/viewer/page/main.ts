@@ -3,7 +3,7 @@
 import "./theme.css";
 
 import { Charts } from "./charts.ts";
-import { Connection, takeToken, type ConnectionState } from "./connection.ts";
+import { Connection, fetchScene, takeToken, type ConnectionState } from "./connection.ts";
 import { SettingControls } from "./controls.ts";
 import { Keys } from "./keys.ts";
 import { PageButtons } from "./page_buttons.ts";
@@ -220,9 +220,7 @@ class Page {
     const drawing = this.view ?? this.paper;
     if (!drawing || hello !== this.hello) return;
     try {
-      const answer = await fetch(path, { headers: { "Palpate-Token": this.token ?? "" } });
-      if (!answer.ok) throw new Error(`/${path}: the server answers ${answer.status}`);
-      const glb = await answer.arrayBuffer();
+      const glb = await fetchScene(path, this.token);
       if (hello !== this.hello) return; // another connection loads its own
       drawing.load(glb);
       if (path.endsWith("?full")) {

@@ -36,7 +36,6 @@ export class PageButtons {
   private readonly takeButton: HTMLButtonElement;
   private readonly cameraButton: HTMLButtonElement;
   private readonly allButton: HTMLButtonElement;
-  private readonly ofView: HTMLButtonElement[] = []; // for the full page
   private isInControl = false;
   private isTripped = false;
 
@@ -101,14 +100,13 @@ export class PageButtons {
 
   // Leaves the buttons of the hand, over the drawing; the keys of the others do nothing.
   showOnlyHand(): void {
-    for (const button of this.ofView) button.hidden = true;
+    box("view-buttons").hidden = true;
     box("stage").append(box("hand-buttons"));
   }
 
   private add(parent: HTMLElement, label: string, key: string, run: () => void,
               isControlled = false): HTMLButtonElement {
     const button = document.createElement("button");
-    if (parent.id === "view-buttons") this.ofView.push(button);
     button.type = "button";
     button.textContent = label;
     const hint = document.createElement("kbd");
@@ -118,7 +116,7 @@ export class PageButtons {
     button.onclick = run;
     button.setAttribute("aria-keyshortcuts", key === " " ? "Space" : key);
     this.keys.add({ key, label, repeats: key === "+" || key === "-", run: () => {
-      if (!button.disabled && !button.hidden) run();
+      if (!button.disabled && !button.closest("[hidden]")) run();
     } });
     if (isControlled) this.controlled.push(button);
     parent.append(button);

@@ -30,7 +30,7 @@ const kBallRadius_mm = 2.5; // of a proxy that is a smaller sphere, or a point
 const kFrameHalf_mm = 4;
 const kFrameWidth_mm = 0.8;
 const kRingRadius_mm = 6;
-export const kInch_mm = 25.4;
+const kInch_mm = 25.4;
 export const kUncalibrated_px_per_mm = 96 / kInch_mm; // a CSS pixel by its definition
 
 const kMarksRoom_mm = 100; // more than any mark but a sphere reaches from its place
@@ -82,12 +82,12 @@ export class PaperDisplay {
   private pacer: PicturePacer;
   private state: State | null = null;
   private display: Display | null = null;
-  private spheresNow: Spheres | null = null;
   private ringNow: Vector3 | null = null;
   private request = 0; // of the next frame; 0: the display stands still
   readonly camera = new ViewCamera(true);
   readonly mode = "camera";
   readonly isSoftware: boolean;
+  spheres: Spheres | null = null; // null: none are shown
   pictures = 0; // drawn so far
   drawn: State | null = null; // of the newest picture
   drawnBodies = 0;
@@ -125,11 +125,6 @@ export class PaperDisplay {
 
   update(state: State): void {
     this.state = state;
-  }
-
-  // null: none are shown.
-  set spheres(spheres: Spheres | null) {
-    this.spheresNow = spheres;
   }
 
   // Where to return to, scene frame; null: no ring.
@@ -171,6 +166,10 @@ export class PaperDisplay {
     return 1000 * this.settings.css_px_per_mm * this.settings.scale;
   }
 
+  get drawnTick(): number {
+    return this.drawn?.record.tick ?? -1;
+  }
+
   get lastDisplay(): Display | null {
     return this.display;
   }
@@ -208,7 +207,7 @@ export class PaperDisplay {
     const mm_m = 1e-3 / this.settings.scale; // a millimetre on the screen, in the display frame
     this.ball.set(new Vector3(), Math.max(kBallRadius_mm * mm_m, this.settings.proxyRadius_m));
     this.frame.set(device_m, kFrameHalf_mm * mm_m, kFrameWidth_mm * mm_m);
-    const spheres = this.spheresNow;
+    const { spheres } = this;
     this.start.object.visible = this.end.object.visible = spheres !== null;
     if (spheres) {
       const place = (centre_m: Numbers): Vector3 =>

@@ -69,7 +69,7 @@ export class PointerSum {
 
   private release(event: PointerEvent): void {
     if (event.pointerId !== this.pressed?.id) return;
-    this.add(event); // the way since its last motion
+    if (event.type === "pointerup") this.add(event); // the way since its last motion; a cancel has no place
     this.pressed = null;
     this.changed();
   }

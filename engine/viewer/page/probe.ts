@@ -35,8 +35,8 @@ export function publishProbe(parts: ProbeParts): void {
     metresPerPixel: (x: number, y: number, z: number) =>
       drawing()?.camera.metresPerPixel(new Vector3(x, y, z)) ?? NaN,
     pictures: () => drawing()?.pictures ?? 0,
-    drawnTick: () => parts.view()?.drawnTick ?? parts.paper()?.drawn?.record.tick ?? -1,
-    drawnBodies: () => parts.view()?.drawnBodies ?? parts.paper()?.drawnBodies ?? 0,
+    drawnTick: () => drawing()?.drawnTick ?? -1,
+    drawnBodies: () => drawing()?.drawnBodies ?? 0,
     isSoftware: () => drawing()?.isSoftware ?? false,
     setting: (name: string) => parts.settings.valueOf(name),
     points: (line: "angle_deg" | "force_N" | "fullForce_N") => parts.charts.points([line]),

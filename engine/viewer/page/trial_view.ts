@@ -5,10 +5,10 @@ import { make, makeButton } from "./dom.ts";
 import type { Ask, Checked, LeftWhy, LiveHello, LiveNotice, Trial } from "./live_protocol.ts";
 import type { WordKey, Words } from "./live_words.ts";
 import { kUncalibrated_px_per_mm, PaperDisplay } from "./paper_display.ts";
+import { kRepeat_ms } from "./pointer.ts";
 import { PointerSum } from "./pointer_sum.ts";
 import type { State, Vector3 } from "./protocol.ts";
 
-const kRepeat_ms = 50; // the server lets go after 300 ms without a message
 const kFrames_ms = 200; // between messages with the times of pictures
 const kMostTimes = 100; // in such a message
 const kRetry_ms = 2000; // until the object is asked for again
@@ -63,7 +63,7 @@ export class TrialView {
       if (this.needsLock && !isLocked()) this.leave("pointer_lock");
     });
     onScreenChange(() => {
-      if (this.needsScreen && !fillsScreen()) this.leave("full_screen");
+      if (!fillsScreen()) this.leave("full_screen");
     });
     addEventListener("keydown", (event) => {
       if (event.key !== "Enter" || event.repeat || !this.isLearning) return;
@@ -95,7 +95,7 @@ export class TrialView {
 
   setChecked(checked: Checked | null): void {
     this.checked = checked;
-    this.sum.input = this.hello?.is_script ? "board" : checked?.input ?? this.hello?.inputs[0] ?? "mouse";
+    this.sum.input = checked?.input ?? this.hello?.inputs[0] ?? "mouse";
     this.rescale();
     this.makeBar();
   }
@@ -115,7 +115,7 @@ export class TrialView {
     this.showProgress(trial);
     if (this.scene !== trial.scene && !(await this.load(trial))) return;
     if (this.trial !== trial) return;
-    if (this.isReady && !mustClick) await this.begin(trial);
+    if (this.whyNotReady() === null && !mustClick) await this.begin(trial);
     else this.wait("waiting");
   }
 
@@ -155,19 +155,19 @@ export class TrialView {
 
   // Fills the screen and locks the pointer as trials need it. Call it in a click.
   capture(): Promise<boolean> {
-    return this.needsScreen ? capture(this.needsLock) : Promise.resolve(true);
+    return capture(this.needsLock);
   }
 
   private get needsLock(): boolean {
     return this.sum.input === "mouse";
   }
-  private get needsScreen(): boolean {
-    return !(this.hello?.is_script ?? false);
-  }
-  private get isReady(): boolean {
-    return !this.needsScreen ||
-      ((!this.needsLock || isLocked()) && fillsScreen() && !document.hidden && document.hasFocus() &&
-       document.querySelector("dialog[open]") === null);
+
+  // What the person does instead of a trial; null: they can begin one.
+  private whyNotReady(): LeftWhy | null {
+    if (document.hidden) return "hidden";
+    if (!document.hasFocus() || document.querySelector("dialog[open]")) return "focus";
+    if (this.needsLock && !isLocked()) return "pointer_lock";
+    return fillsScreen() ? null : "full_screen";
   }
 
   // A page that was zoomed since the check has larger CSS pixels.
@@ -212,13 +212,8 @@ export class TrialView {
       window.setInterval(() => this.sendTimes(), kFrames_ms),
     ];
     this.sendTarget();
-    if (!this.isReady) this.leave(this.whyNotReady()); // lost while the server answered
-  }
-
-  private whyNotReady(): LeftWhy {
-    if (document.hidden) return "hidden";
-    if (!document.hasFocus()) return "focus";
-    return this.needsLock && !isLocked() ? "pointer_lock" : "full_screen";
+    const why = this.whyNotReady();
+    if (why) this.leave(why); // since the server was asked
   }
 
   // Ends the messages of the running trial.
@@ -277,7 +272,9 @@ export class TrialView {
     if (!this.trial || this.learned === this.trial.number) return; // the key was pressed twice
     this.learned = this.trial.number;
     const answer = await this.host.ask({ type: "next", step: "learning" });
-    if (!answer.ok) this.host.say(this.words.get("refused", { problem: answer.problem ?? "" }));
+    if (answer.ok) return;
+    this.learned = -1; // the person may ask again
+    this.host.say(this.words.get("refused", { problem: answer.problem ?? "" }));
   }
 
   private sendTarget(): void {

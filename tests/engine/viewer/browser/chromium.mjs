@@ -12,6 +12,8 @@ const driver = await import(pathToFileURL(join(process.env.PALPATE_DRIVER, "inde
 
 export const kProject = process.env.PALPATE_PROJECT;
 export const kPrograms = process.env.PALPATE_PROGRAMS.split(":");
+// What Chromium says when a program ends while its page is open.
+export const kClosed = /WebSocket connection to|Failed to load resource: net::ERR_/;
 const kContrast = 4.5; // of texts, at least
 export const kStep_ms = 240_000; // only ends a test that hangs
 
@@ -112,6 +114,9 @@ async function explained(page, step) {
     throw error;
   }
 }
+
+// The button with exactly this name.
+export const button = (page, name) => page.getByRole("button", { name, exact: true });
 
 // Waits until the function is true in the page.
 export function until(page, predicate, argument) {

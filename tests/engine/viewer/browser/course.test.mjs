@@ -7,13 +7,13 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import {
-  assertClean, closeAll, faultsOf, kProject, openBrowser, openPage, openZoomedBrowser, pictureFolder, until,
+  assertClean, button, closeAll, faultsOf, kClosed, kProject, openBrowser, openPage, openZoomedBrowser,
+  pictureFolder, until,
 } from "./chromium.mjs";
 import { FakeLive } from "./fake_live.mjs";
 
 const kInch_mm = 25.4;
 const kCard_mm = 85.6;
-const kClosed = /WebSocket connection to|Failed to load resource: net::ERR_/; // said by Chromium
 const kEvents = 1000; // of the mouse, as fast as the browser takes them
 const kEpsilon = 2 ** -52;
 
@@ -52,7 +52,6 @@ async function withPage(run, { change = () => {}, options = {}, other, complaint
     await fake.stop();
   }
 }
-const button = (page, name) => page.getByRole("button", { name, exact: true });
 const untilStep = (page, step) => until(page, (s) => window.palpate.step() === s, step);
 const untilPhase = (page, phase) => until(page, (p) => window.palpate.phase() === p, phase);
 const ofType = (type) => (message) => message.type === type;
@@ -384,6 +383,25 @@ test("who frees the pointer between two trials is asked to go on, and no trial w
   });
 });
 
+test("Enter ends a condition once, and again after a refusal", async () => {
+  await withTrial(async (page, fake) => {
+    const isEnd = (m) => m.type === "next" && m.step === "learning";
+    fake.send({ type: "trial_end", number: 1 });
+    fake.send({ ...trialOf(2), step: "learning" });
+    await fake.next((m) => m.type === "ready" && m.trial === 2, 0);
+    await untilPhase(page, "running");
+    fake.refusal = "too many messages wait";
+    await page.keyboard.press("Enter");
+    await page.locator("#notice").filter({ hasText: "too many messages wait" }).waitFor();
+    const accepted = fake.next(isEnd);
+    await page.keyboard.press("Enter");
+    await accepted;
+    await page.keyboard.press("Enter");
+    await fake.next(ofType("frames")); // is sent after the key
+    assert.equal(fake.messages.filter(isEnd).length, 2);
+  });
+});
+
 test("a board moves without the pointer, and its participant can pause", async () => {
   await withTrial(async (page, fake) => {
     await page.mouse.move(300, 300);
@@ -402,18 +420,31 @@ test("a finger moves the device as far as it moves itself, and each press is one
     const client = await page.context().newCDPSession(page);
     const touch = (type, ...points) => client.send("Input.dispatchTouchEvent", {
       type, touchPoints: points.map(([x, y]) => ({ x, y })) });
+    const untilFree = async () => {
+      for (let i = 0; fake.pointers.at(-1).holds; ++i) {
+        assert.ok(i < 1500);
+        await new Promise((resolve) => setTimeout(resolve, 20));
+      }
+    };
     await touch("touchStart", [300, 300]);
     await touch("touchMove", [330, 280]);
     await untilTarget(fake, 30, 20, 5);
     assert.ok(fake.pointers.at(-1).holds);
     await touch("touchEnd");
-    for (let i = 0; fake.pointers.at(-1).holds; ++i) {
-      assert.ok(i < 1500);
-      await new Promise((resolve) => setTimeout(resolve, 20));
-    }
+    await untilFree();
+    await page.evaluate(() => addEventListener("pointerdown", ({ pointerId }) => (window.pressed = pointerId)));
     await touch("touchStart", [600, 100]);
     await touch("touchMove", [605, 100]);
     await untilTarget(fake, 35, 20, 5);
+    // A browser that takes the finger for a gesture of its own states no place.
+    await page.evaluate(() => document.querySelector(".picture").dispatchEvent(
+      new PointerEvent("pointercancel", { pointerId: window.pressed })));
+    await untilFree();
+    await untilTarget(fake, 35, 20, 5);
+    await touch("touchEnd");
+    await touch("touchStart", [300, 300]);
+    await touch("touchMove", [300, 290]);
+    await untilTarget(fake, 35, 30, 5);
     await touch("touchEnd");
   }, { options: { context: { hasTouch: true } }, change: (fake) => {
     fake.hello.inputs = ["touch"];

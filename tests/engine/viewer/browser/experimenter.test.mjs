@@ -9,10 +9,10 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import {
-  assertClean, closeAll, faultsOf, kPrograms, kProject, openBrowser, openPage, pictureFolder, startProgram, until,
+  assertClean, button, closeAll, faultsOf, kClosed, kPrograms, kProject, openBrowser, openPage, pictureFolder,
+  startProgram, until,
 } from "./chromium.mjs";
 
-const kClosed = /WebSocket connection to|Failed to load resource: net::ERR_/; // said by Chromium
 const kPython = process.env.PALPATE_PYTHON ?? "python3";
 
 let browser;
@@ -59,7 +59,6 @@ async function withPage(run, live = {}) {
     rmSync(folder, { recursive: true });
   }
 }
-const button = (page, name) => page.getByRole("button", { name, exact: true });
 // Waits until the value of a name is this text.
 function untilValue(page, name, text) {
   return until(page, ([wantedName, wanted]) => [...document.querySelectorAll("dt")]

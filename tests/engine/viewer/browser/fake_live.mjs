@@ -10,7 +10,7 @@ const kGuid = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"; // of RFC 6455
 const kVersion = 4;
 const kHeaderBytes = 136; // of a state
 const kPatience_ms = 10_000; // only ends a test that hangs
-export const kToken = "0123456789abcdef0123456789abcdef";
+const kToken = "0123456789abcdef0123456789abcdef";
 
 const kPage = join(process.env.PALPATE_BUILD, "page");
 const kFiles = {
@@ -69,14 +69,13 @@ export class FakeLive {
   hello = {
     type: "hello", role: "participant", version: kVersion, engine: "test", language: "en", direction: "ltr",
     words: {}, display: { Hz: 40, scale: 1, sphere_radius_m: 0.006, proxy_radius_m: 0 }, checked: null,
-    inputs: ["mouse"], rate_Hz: 1000, is_script: false,
+    inputs: ["mouse"], rate_Hz: 1000,
     step: { ...kStep, step: "information", title: "Information", text: "A text." },
   };
   messages = []; // JSON that the page has sent, newest last
-  pointers = []; // {sequence, holds, target_m, at_ms}
+  pointers = []; // {sequence, holds, target_m}
   scenes = 0; // how often /felt.glb was fetched with the token
   refusal = null; // why the next request is refused
-  onMessage = () => {};
   #sockets = new Set();
   #waiting = [];
 
@@ -178,7 +177,6 @@ export class FakeLive {
       this.refusal = null;
       this.send({ type: "answer", id: message.id, ok: problem === null, ...(problem === null ? {} : { problem }) });
     }
-    this.onMessage(message);
     const due = this.#waiting.filter(({ fits }) => fits(message));
     this.#waiting = this.#waiting.filter((one) => !due.includes(one));
     for (const { resolve } of due) resolve(message);
@@ -187,7 +185,7 @@ export class FakeLive {
   #receivePointer(bytes) {
     this.pointers.push({
       sequence: Number(bytes.readBigUInt64LE(8)), holds: (bytes.readUInt32LE(4) & 1) !== 0,
-      target_m: [16, 24, 32].map((at) => bytes.readDoubleLE(at)), at_ms: performance.now(),
+      target_m: [16, 24, 32].map((at) => bytes.readDoubleLE(at)),
     });
   }
 }

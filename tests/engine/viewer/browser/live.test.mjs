@@ -7,14 +7,13 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import {
-  assertClean, closeAll, kPrograms, kProject, openBrowser, openPage, pictureFolder, startProgram, until,
-  untilDrawn, untilLive,
+  assertClean, closeAll, kClosed, kPrograms, kProject, openBrowser, openPage, pictureFolder, startProgram,
+  until, untilDrawn, untilLive,
 } from "./chromium.mjs";
 import { openLine } from "./cut_line.mjs";
 
 const kStar = `${kProject}/models/star.glb`;
 const kGallery = `${kProject}/models/gallery.glb`;
-const kClosed = /WebSocket connection to|Failed to load resource: net::ERR_/; // said by Chromium
 
 let browser;
 before(async () => (browser = await openBrowser()));

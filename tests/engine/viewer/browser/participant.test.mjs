@@ -7,7 +7,9 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { assertClean, closeAll, kPrograms, kProject, openBrowser, openPage, startProgram, until } from "./chromium.mjs";
+import {
+  assertClean, button, closeAll, kClosed, kPrograms, kProject, openBrowser, openPage, startProgram, until,
+} from "./chromium.mjs";
 
 const kStep_m = 1.5e-3; // along the contour, from one state to the next
 const kDepth_m = 1e-3; // into the wall
@@ -20,7 +22,6 @@ let browser;
 before(async () => (browser = await openBrowser()));
 after(() => closeAll(browser));
 
-const button = (page, name) => page.getByRole("button", { name, exact: true });
 const untilStep = (page, ...steps) => until(page, (all) => all.includes(window.palpate.step()), steps);
 
 function shortPlan(folder) {
@@ -178,7 +179,7 @@ test("a participant with a mouse takes the whole course", { timeout: 600_000 }, 
     const ended = new Promise((resolve) => program.child.once("exit", resolve));
     await untilStep(page, "done");
     assert.equal(await ended, 0);
-    assertClean(page, /WebSocket connection to|Failed to load resource: net::ERR_/);
+    assertClean(page, kClosed);
   } finally {
     if (program.child.exitCode === null) await program.stop();
   }
