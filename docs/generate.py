@@ -83,7 +83,7 @@ class Help:
         self.example = [line.strip() for line in example.splitlines()[1:]]
         self.sentence = " ".join(sentence.split())
         usage, _, rest = rest.partition("\n")
-        self.usage = " ".join(["palpate", *words, *re.findall(r"\[OPTIONS\]|[A-Z]+(?:\.\.\.)?$|\[[A-Z]+\]", usage)])
+        self.usage = " ".join(["palpate", *words, "[OPTIONS]" + usage.partition("[OPTIONS]")[2]])
         title, paragraph = None, []
         for line in [*rest.splitlines(), ""]:
             is_code = line.startswith("  ")
@@ -145,7 +145,7 @@ def option_of(name, meaning):
         default, text = "", found[1]
         meaning = meaning[:found.start()] + meaning[found.end():]
     if is_required:
-        text = "required"
+        default, text = "", "required"
     return Option(name, meaning, code(default) if default else plain(text))
 
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -14,14 +13,16 @@
 
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
+#include "engine/live/live_folder.h"
 #include "engine/report/csv.h"
 #include "engine/report/whole_file.h"
+#include "engine/trials/csv_cells.h"
 #include "engine/trials/deal/result_names.h"
+#include "engine/trials/live_plan.h"
 #include "engine/trials/psych_ds.h"
 #include "engine/trials/questionnaire_file.h"
 #include "engine/trials/strict_json.h"
 #include "engine/trials/trials_file.h"
-#include "io/gltf/file.h"
 
 namespace palpate {
 namespace {
@@ -33,13 +34,11 @@ constexpr std::array<std::string_view, 3> kExportParts = {"recordings", "notes",
 constexpr const char* kQuestionnairesFile = "questionnaires.csv";
 constexpr const char* kPlanCopy = "plan.json";
 constexpr const char* kTextsCopy = "texts.json";
-constexpr const char* kJournalFile = "journal.txt";
-// The answers of about.json: key, and meaning of the column.
-constexpr std::array<std::array<std::string_view, 2>, 4> kAboutItems = {
-    {{"age", "age in years, as the participant stated it"},
-     {"gender", "gender, as the participant stated it"},
-     {"hand", "hand used, as the participant stated it"},
-     {"experience", "experience with such devices, as the participant stated it"}}};
+// Of the columns kAboutNames.
+constexpr std::array<std::string_view, kAboutNames.size()> kAboutMeanings = {
+    "age in years, as the participant stated it", "gender, as the participant stated it",
+    "hand used, as the participant stated it",
+    "experience with such devices, as the participant stated it"};
 
 // What a folder of an experiment holds.
 struct Exported {
@@ -47,7 +46,7 @@ struct Exported {
   std::map<int, std::vector<TrialRow>> trials;  // by participant, in the order of the file
   std::map<int, std::vector<QuestionnaireRow>> answers;
   std::map<int, fs::path> folders;  // of participants
-  std::map<int, std::array<std::string, kAboutItems.size()>> about;
+  std::map<int, std::array<std::string, kAboutNames.size()>> about;
   TrialColumns columns = TrialColumns::kFactors;
   std::string plan, texts;  // empty: the folder has none
 };
@@ -61,10 +60,8 @@ Error in_file(const fs::path& path, std::string element, std::string problem,
 // Participants are numbers, so that no file has a name of a person.
 std::optional<int> number_of(const std::string& participant) {
   int number = 0;
-  const char* const end = participant.data() + participant.size();
-  const auto [stop, failed] = std::from_chars(participant.data(), end, number);
-  if (failed != std::errc() || stop != end || number < 0) return std::nullopt;
-  if (participant.size() > 1 && participant.front() == '0') return std::nullopt;
+  if (read_whole(participant, {0}, number)) return std::nullopt;
+  if (std::to_string(number) != participant) return std::nullopt;  // leading zeros
   return number;
 }
 
@@ -81,12 +78,6 @@ std::optional<Error> add_by_participant(std::vector<Row> rows, const fs::path& p
     found[*number].push_back(std::move(row));
   }
   return std::nullopt;
-}
-
-Result<std::string> text_of_file(const fs::path& path, std::uint64_t most_bytes) {
-  const auto bytes = read_regular_file(path.string(), most_bytes);
-  if (!bytes) return bytes.error();
-  return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
 }
 
 bool is_there(const fs::path& path) {
@@ -107,9 +98,7 @@ std::optional<Error> read_rows(const fs::path& folder, Exported& found) {
   if (auto error = add_by_participant(std::move(*rows), trials, found.trials)) return error;
   const fs::path answers = folder / kQuestionnairesFile;
   if (!is_there(answers)) return std::nullopt;
-  const auto text = text_of_file(answers, kMostTrialsBytes);
-  if (!text) return text.error();
-  auto answered = parse_questionnaires(*text, answers.string());
+  auto answered = read_questionnaires(answers.string());
   if (!answered) return answered.error();
   return add_by_participant(std::move(*answered), answers, found.answers);
 }
@@ -123,23 +112,21 @@ std::optional<Error> read_plan(const fs::path& folder, Exported& found) {
   const auto json = parse_strict_json(*text, path.string());
   if (!json) return json.error();
   if (path == plan) found.plan = *text;
-  const Json* name = nullptr;
-  const Json& of_run =
-      path == plan || !json->is_object() || !json->contains("plan") ? *json : json->at("plan");
-  if (of_run.is_object() && of_run.contains("name")) name = &of_run.at("name");
-  if (name == nullptr || !name->is_string()) {
-    return in_file(path, path == plan ? "/name" : "/plan/name", "is missing; expected a text");
+  const std::string element = path == plan ? "/name" : "/plan/name";
+  const Json::json_pointer name(element);
+  if (!json->contains(name) || !json->at(name).is_string()) {
+    return in_file(path, element, "is missing; expected a text");
   }
-  found.name = name->get<std::string>();
+  found.name = json->at(name).get<std::string>();
   if (!is_there(folder / kTextsCopy)) return std::nullopt;
-  const auto texts = text_of_file(folder / kTextsCopy, kMostSettingsBytes);
+  const auto texts = read_settings_text((folder / kTextsCopy).string(), kMostTextsFileBytes);
   if (!texts) return texts.error();
   found.texts = *texts;
   return std::nullopt;
 }
 
 // The folders of participants: "01" is of participant 1.
-std::optional<Error> find_folders(const fs::path& folder, Exported& found) {
+void find_folders(const fs::path& folder, Exported& found) {
   std::error_code failed;
   for (const auto& entry : fs::directory_iterator(folder / "participants", failed)) {
     std::string name = entry.path().filename().string();
@@ -147,7 +134,6 @@ std::optional<Error> find_folders(const fs::path& folder, Exported& found) {
     const std::optional<int> number = number_of(name);
     if (number && found.trials.contains(*number)) found.folders[*number] = entry.path();
   }
-  return std::nullopt;
 }
 
 std::optional<Error> read_about(Exported& found) {
@@ -160,14 +146,13 @@ std::optional<Error> read_about(Exported& found) {
     if (!json) return json.error();
     if (!json->is_object()) return in_file(path, "", "is no object; expected the answers");
     for (const auto& [key, value] : json->items()) {
-      const auto item = std::find_if(kAboutItems.begin(), kAboutItems.end(),
-                                     [&name = key](const auto& known) { return known[0] == name; });
-      if (item == kAboutItems.end() || !value.is_string()) {
+      const auto item = std::find(kAboutNames.begin(), kAboutNames.end(), key);
+      if (item == kAboutNames.end() || !value.is_string()) {
         return in_file(path, "/" + key,
                        "is unknown or no text; expected texts of age, gender, "
                        "hand and experience");
       }
-      found.about[number][static_cast<std::size_t>(item - kAboutItems.begin())] =
+      found.about[number][static_cast<std::size_t>(item - kAboutNames.begin())] =
           value.get<std::string>();
     }
   }
@@ -184,7 +169,7 @@ Result<Exported> read_folder(const ExperimentExportRequest& request) {
   for (const auto& error : {read_rows(folder, found), read_plan(folder, found)}) {
     if (error) return *error;
   }
-  if (auto error = find_folders(folder, found)) return *error;
+  find_folders(folder, found);
   if (has(request, "about")) {
     if (auto error = read_about(found)) return *error;
   }
@@ -195,8 +180,9 @@ Result<Exported> read_folder(const ExperimentExportRequest& request) {
 
 std::vector<DescribedColumn> about_columns() {
   std::vector<DescribedColumn> columns = {{"participant", "", "the person", "whole 0.."}};
-  for (const auto& [name, meaning] : kAboutItems) {
-    columns.push_back({std::string(name), "", std::string(meaning), "text or empty"});
+  for (std::size_t i = 0; i < kAboutNames.size(); ++i) {
+    columns.push_back(
+        {std::string(kAboutNames[i]), "", std::string(kAboutMeanings[i]), "text or empty"});
   }
   return columns;
 }
@@ -238,13 +224,18 @@ std::string readme_of(const Exported& exported) {
   if (!exported.texts.empty()) {
     text += "| `materials/texts.json` | the texts that participants read |\n";
   }
+  const bool has_pilots = exported.columns == TrialColumns::kLive;
   text +=
       "| `documentation/columns.csv` | the columns of the trials |\n\n"
       "## Rows\n\n"
       "participant, block, haptic, rotation, object, attempt, following, view, align, "
-      "start_orientation_deg, scale and\npilot identify a row. An empty field has no value. "
-      "Block 0 is practice. Of several attempts at a trial the last one with\nthe status done "
-      "counts. Rows with pilot 1 are of a pilot run.\n\n"
+      "start_orientation_deg";
+  text += has_pilots ? ", scale and\npilot" : " and\nscale";
+  text +=
+      " identify a row. An empty field has no value. Block 0 is practice. Of several attempts at a "
+      "trial the last one with\nthe status done counts.";
+  text += has_pilots ? " Rows with pilot 1 are of a pilot run.\n\n" : "\n\n";
+  text +=
       "## What is missing here\n\n"
       "Whoever publishes this folder adds author, citation, license, funder, url, identifier "
       "and privacyPolicy to\n`dataset_description.json`, as far as they exist, and is "
@@ -348,15 +339,14 @@ std::vector<fs::path> recordings_in(const fs::path& folder) {
 void add_requested(const ExperimentExportRequest& request, const Exported& exported,
                    Folder& folder) {
   for (const auto& [number, of_participant] : exported.folders) {
-    std::string subject = psych_ds_file(number, "x");
-    subject.erase(subject.find('_'));
+    const std::string subject = psych_ds_subject(number);
     if (has(request, "recordings")) {
       for (const fs::path& file : recordings_in(of_participant / "recordings")) {
         folder.copy(file, fs::path("data/recordings") / subject / file.filename());
       }
     }
-    if (has(request, "notes") && is_there(of_participant / kJournalFile)) {
-      folder.copy(of_participant / kJournalFile,
+    if (has(request, "notes") && is_there(of_participant / kJournalName)) {
+      folder.copy(of_participant / kJournalName,
                   fs::path("documentation/journals") / (subject + ".txt"));
     }
   }

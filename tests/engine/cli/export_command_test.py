@@ -27,7 +27,8 @@ except ImportError:
 MADE = HERE.parent / "python" / "r"  # 12 made people
 SCHEMA = json.loads((HERE / "psych_ds_1.5.0.schema.json").read_text())
 PLAN = '{"palpate_plan": 1, "name": "paper-live",\n "seed": 7}\n'
-TEXTS = '{"information": "Read <this>."}\n'
+# Four texts of 1 MiB are permitted: more than a plan may have.
+TEXTS = json.dumps({"information": "Read <this>.", "consent": "\n" * (1 << 20)}) + "\n"
 IDENTITY = ("participant", "block", "haptic", "rotation", "object", "attempt", "pilot")
 
 
