@@ -14,8 +14,8 @@ int run_forget(const ExperimentForgetRequest& request) {
   const SignalPhaseScope deferred(SignalPhase::kDeferred);
   const auto folder = LiveFolder::existing(request.folder);
   if (!folder) return refuse(folder.error());
-  if (const auto error = folder->forget_participant(request.participant)) return refuse(*error);
-  std::cout << "participant " << request.participant << " is forgotten: " << request.folder
+  if (const auto error = folder->forget_participant(*request.participant)) return refuse(*error);
+  std::cout << "participant " << *request.participant << " is forgotten: " << request.folder
             << " keeps only the number and the date, in forgotten.csv\n"
             << "out of reach are backups of the folder, and exports and analyses made before: make "
                "them again, and delete the old ones\n";

@@ -2,6 +2,7 @@
 
 // `experiment forget`: removes what is known of a participant.
 
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -10,7 +11,7 @@ namespace palpate {
 
 struct ExperimentForgetRequest {
   std::string folder;
-  int participant = 0;
+  std::optional<int> participant;  // a value, because it is required
 };
 
 // Adds the subcommand. The request must outlive `experiment`.

@@ -20,6 +20,7 @@
 #include "engine/live/live_run.h"
 #include "engine/live/scripted_run.h"
 #include "engine/viewer/page_files.h"
+#include "geometry/base/printable.h"
 #include "haptics/safety_governor.h"
 
 namespace palpate {
@@ -45,6 +46,10 @@ std::string estimate_text(const ExperimentPlan& plan) {
        << " if each takes its limit; about " << std::fixed << std::setprecision(0)
        << e.usual_bytes / kMB << " MB of recordings";
   return text.str();
+}
+
+void warn(const std::string& warning) {
+  std::cerr << "palpate: warning: " << printable(warning) << "\n";
 }
 
 std::optional<Error> check_input(const ExperimentPlan& plan, const ExperimentLiveRequest& request) {
@@ -108,7 +113,8 @@ std::optional<Error> check_stiffness(const ExperimentPlan& plan, const Guardable
 int run_person(ExperimentPlan plan, const ExperimentLiveRequest& request) {
   const auto page = embedded_live_page();
   if (!page) return refuse(no_page("experiment live"));
-  LiveRunSettings settings{request.participant, request.out_dir, request.is_pilot};
+  LiveRunSettings settings{*request.participant, request.out_dir, request.is_pilot};
+  settings.warn = warn;
   std::unique_ptr<GuardableDevice> device;
   std::optional<OpenDevice> open;
   if (!request.device.empty()) {
@@ -138,7 +144,9 @@ int run_person(ExperimentPlan plan, const ExperimentLiveRequest& request) {
   std::cout << "participant:  " << page_address(serves, **server, kParticipantPage)
             << "\nexperimenter: " << page_address(serves, **server, kExperimenterPage) << "\n"
             << estimate_text(plan) << std::endl;
-  if (told) std::cerr << "palpate: warning: " << *told << "\n";
+  if (told) warn(*told);
+  for (const std::string& warning : plan.warnings()) warn(warning);
+  for (const std::string& warning : scene_warnings(plan, (*run)->scenes())) warn(warning);
   if ((*run)->is_resumed()) std::cout << "the course goes on where it was\n" << std::flush;
   const auto error = (*run)->run(signal_flag());
   (*server)->stop();
@@ -153,7 +161,7 @@ int run_scripted(ExperimentPlan plan, const ExperimentLiveRequest& request) {
   if (!person) return refuse(person.error());
   plan.person = std::move(*person);
   const SignalPhaseScope in_order(SignalPhase::kInOrder);
-  const auto done = run_script(plan, {request.participant, request.out_dir, request.is_pilot},
+  const auto done = run_script(plan, {*request.participant, request.out_dir, request.is_pilot},
                                {find_trial_way, run_trial}, {}, signal_flag());
   if (!done) return refuse(done.error());
   std::cout << (*done ? "the course is complete" : "interrupted; the same command goes on")
@@ -167,7 +175,7 @@ int run_live(const ExperimentLiveRequest& request) {
   const auto plan = load_plan(request.plan);
   if (!plan) return refuse(plan.error());
   if (const auto error = check_input(*plan, request)) return refuse(*error);
-  if (const auto error = check_live(*plan, request.participant)) return refuse(*error);
+  if (const auto error = check_live(*plan, *request.participant)) return refuse(*error);
   return request.script.empty() ? run_person(*plan, request) : run_scripted(*plan, request);
 }
 

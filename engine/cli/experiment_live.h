@@ -14,7 +14,7 @@ namespace palpate {
 
 struct ExperimentLiveRequest {
   std::string plan;
-  int participant = 0;
+  std::optional<int> participant;  // a value, because it is required
   std::string out_dir = "experiment";
   std::string device;             // empty: a pointer of the page
   bool no_guard = false;          // see DeviceRequest

@@ -86,9 +86,6 @@ class Course {
   const std::vector<PlannedTrial>& trials() const { return trials_; }
   // How many attempts of the planned trial have begun.
   int attempts(std::size_t planned) const { return attempts_[planned]; }
-  // Blocks with trials, in the order in which they run; the one of the next trial or break.
-  std::size_t group() const { return group_; }
-  std::size_t group_count() const { return groups_.size(); }
   std::size_t trials_left() const;
 
  private:

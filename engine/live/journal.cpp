@@ -9,8 +9,9 @@
 #include <utility>
 
 #include "engine/report/write_error.h"
+#include "engine/report/write_whole.h"
 #include "engine/trials/key_hash.h"
-#include "io/gltf/file.h"
+#include "engine/trials/strict_json.h"
 
 namespace palpate {
 namespace {
@@ -59,12 +60,6 @@ Result<Lines> lines_of(std::string_view text, const std::string& path) {
   return lines;
 }
 
-Result<std::string> read_bytes(const std::string& path) {
-  const auto bytes = read_regular_file(path, kMostJournalBytes);
-  if (!bytes) return bytes.error();
-  return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-}
-
 // The entry of a new file's name is on the disk only when that of its folder is.
 void sync_folder_of(const std::string& path) {
   const std::string folder = std::filesystem::path(path).parent_path().string();
@@ -90,7 +85,7 @@ Journal::~Journal() {
 }
 
 Result<std::vector<JournalEntry>> Journal::read(const std::string& path) {
-  const auto text = read_bytes(path);
+  const auto text = read_settings_text(path, kMostJournalBytes);
   if (!text) return text.error();
   auto lines = lines_of(*text, path);
   if (!lines) return lines.error();
@@ -120,7 +115,7 @@ Result<Journal> Journal::open(const std::string& path, const JournalEntry& head)
 }
 
 std::optional<Error> Journal::load(const JournalEntry& head) {
-  const auto text = read_bytes(path_);
+  const auto text = read_settings_text(path_, kMostJournalBytes);
   if (!text) return text.error();
   auto lines = lines_of(*text, path_);
   if (!lines) return lines.error();
@@ -153,14 +148,7 @@ std::optional<Error> Journal::load(const JournalEntry& head) {
 }
 
 int Journal::append(std::string_view line) {
-  std::size_t written = 0;
-  while (written < line.size()) {
-    const ssize_t count = ::pwrite(descriptor_, line.data() + written, line.size() - written,
-                                   static_cast<off_t>(bytes_ + written));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return count < 0 ? errno : ENOSPC;
-    written += static_cast<std::size_t>(count);
-  }
+  if (const int reason = write_whole(descriptor_, line, bytes_)) return reason;
   return ::fdatasync(descriptor_) == 0 ? 0 : errno;
 }
 

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "engine/report/write_error.h"
+#include "engine/report/write_whole.h"
 #include "engine/trials/trials_file.h"
 #include "io/gltf/file.h"
 
@@ -25,10 +26,8 @@ namespace fs = std::filesystem;
 constexpr const char* kParticipants = "participants";
 constexpr const char* kPlanFile = "plan.json";
 constexpr const char* kTextsFile = "texts.json";
-constexpr std::uint64_t kMostLiveFileBytes = 8 * kMostLiveTextBytes;  // four texts, and escapes
 constexpr const char* kRecordings = "recordings";
 constexpr const char* kQuestionnaires = "questionnaires.csv";
-constexpr std::uint64_t kMostQuestionnairesBytes = std::uint64_t{1} << 26;
 constexpr const char* kForgotten = "forgotten.csv";
 
 std::optional<Error> make_folder(const fs::path& path) {
@@ -36,16 +35,6 @@ std::optional<Error> make_folder(const fs::path& path) {
   fs::create_directories(path, failed);
   if (failed) return write_error(path.string(), failed.value());
   return std::nullopt;
-}
-
-int write_all(int descriptor, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t count = ::write(descriptor, text.data(), text.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return count < 0 ? errno : ENOSPC;
-    text.remove_prefix(static_cast<std::size_t>(count));
-  }
-  return ::fsync(descriptor) == 0 ? 0 : errno;
 }
 
 // Keeps other programs from the files of the folder that all participants share, as long as an
@@ -86,7 +75,7 @@ std::string rows_of(const std::string& trials, int participant) {
 // A folder that has the file has it with this text.
 std::optional<Error> check_same(const std::string& path, const std::string& text,
                                 const std::string& expected) {
-  const auto bytes = read_regular_file(path, kMostLiveFileBytes);
+  const auto bytes = read_regular_file(path, kMostTextsFileBytes);
   if (!bytes && bytes.error().code == ErrorCode::kFileNotFound) return write_synced(path, text);
   if (!bytes) return bytes.error();
   const std::string_view found(reinterpret_cast<const char*>(bytes->data()), bytes->size());
@@ -125,7 +114,8 @@ std::optional<Error> write_synced(const std::string& path, std::string_view text
   const int descriptor =
       ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (descriptor < 0) return write_error(part, errno);
-  int reason = write_all(descriptor, text);
+  int reason = write_whole(descriptor, text, 0);
+  if (reason == 0 && ::fsync(descriptor) != 0) reason = errno;
   ::close(descriptor);
   if (reason == 0 && ::rename(part.c_str(), path.c_str()) != 0) reason = errno;
   if (reason == 0) return std::nullopt;
@@ -170,7 +160,6 @@ Result<LiveFolder> LiveFolder::existing(const std::string& folder) {
 
 Result<LiveFolder> LiveFolder::open(const std::string& folder, const ExperimentPlan& plan) {
   LiveFolder live(folder);
-  if (auto error = make_folder(fs::path(folder) / kParticipants)) return *error;
   const auto path = [&](const char* name) { return (fs::path(folder) / name).string(); };
   std::error_code failed;
   if (fs::exists(path("run.json"), failed)) {
@@ -178,6 +167,7 @@ Result<LiveFolder> LiveFolder::open(const std::string& folder, const ExperimentP
                  "is of trials of simulated persons; expected a folder for people",
                  "choose another folder with --out"};
   }
+  if (auto error = make_folder(path(kParticipants))) return *error;
   const SharedFiles alone(folder);
   if (auto error = check_same(path(kPlanFile), plan.text, plan.path + ", byte by byte")) {
     return *error;
@@ -224,17 +214,21 @@ std::optional<Error> LiveFolder::remove_participant(int participant) const {
   return std::nullopt;
 }
 
-// forgotten.csv, or its first line.
-std::string LiveFolder::forgotten_text() const {
+// forgotten.csv, or its first line if nobody is forgotten yet.
+Result<std::string> LiveFolder::forgotten_text() const {
   const auto found =
       read_regular_file((fs::path(folder_) / kForgotten).string(), kMostSettingsBytes);
-  if (!found) return "participant,date_utc\n";
-  return {reinterpret_cast<const char*>(found->data()), found->size()};
+  if (found) return std::string(reinterpret_cast<const char*>(found->data()), found->size());
+  if (found.error().code != ErrorCode::kFileNotFound) return found.error();
+  return std::string("participant,date_utc\n");
 }
 
 std::optional<Error> LiveFolder::forget_participant(int participant) const {
   const std::string path = participant_path(participant);
-  std::string forgotten = forgotten_text();
+  const SharedFiles alone(folder_);
+  auto noted = forgotten_text();
+  if (!noted) return noted.error();
+  std::string& forgotten = *noted;
   const std::string number = std::to_string(participant) + ",";
   const bool is_noted = forgotten.find("\n" + number) != std::string::npos;
   std::error_code failed;
@@ -245,7 +239,6 @@ std::optional<Error> LiveFolder::forget_participant(int participant) const {
     return Error{ErrorCode::kFileUnwritable, path, "",
                  "is in use: an `experiment live` runs for this participant", "end it first"};
   }
-  const SharedFiles alone(folder_);
   if (!is_noted) {
     forgotten += number + utc_now() + "\n";
     if (auto error = write_synced((fs::path(folder_) / kForgotten).string(), forgotten))
@@ -259,11 +252,8 @@ std::optional<Error> LiveFolder::forget_participant(int participant) const {
 // From a questionnaires.csv that no journal explains, too.
 std::optional<Error> LiveFolder::remove_ratings(int participant) const {
   const std::string path = (fs::path(folder_) / kQuestionnaires).string();
-  const auto bytes = read_regular_file(path, kMostQuestionnairesBytes);
-  if (!bytes && bytes.error().code == ErrorCode::kFileNotFound) return std::nullopt;
-  if (!bytes) return bytes.error();
-  const auto rows =
-      parse_questionnaires({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path);
+  const auto rows = read_questionnaires(path);
+  if (!rows && rows.error().code == ErrorCode::kFileNotFound) return std::nullopt;
   if (!rows) return rows.error();
   CsvLines kept(names_in(questionnaire_table()));
   std::size_t kept_count = 0;
@@ -280,15 +270,17 @@ std::optional<Error> LiveFolder::remove_ratings(int participant) const {
   return std::nullopt;
 }
 
-std::vector<int> LiveFolder::participants() const {
+Result<std::vector<int>> LiveFolder::participants() const {
   std::vector<int> found;
   std::error_code failed;
-  for (const auto& entry : fs::directory_iterator(fs::path(folder_) / kParticipants, failed)) {
+  const fs::path folder = fs::path(folder_) / kParticipants;
+  for (const auto& entry : fs::directory_iterator(folder, failed)) {
     const std::string name = entry.path().filename().string();
     int number = 0;
     const auto [end, problem] = std::from_chars(name.data(), name.data() + name.size(), number);
     if (problem == std::errc() && end == name.data() + name.size()) found.push_back(number);
   }
+  if (failed) return write_error(folder.string(), failed.value());
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -315,7 +307,9 @@ std::optional<Error> LiveFolder::write_rows_alone(int participant,
       has_ratings = true;
     }
   };
-  for (const int other : participants()) {
+  const auto numbers = participants();
+  if (!numbers) return numbers.error();
+  for (const int other : *numbers) {
     if (other == participant) {
       take(participant, entries);
       continue;

@@ -53,9 +53,9 @@ class LiveFolder {
 
  private:
   explicit LiveFolder(std::string folder) : folder_(std::move(folder)) {}
-  std::vector<int> participants() const;
+  Result<std::vector<int>> participants() const;
   std::optional<Error> remove_ratings(int participant) const;
-  std::string forgotten_text() const;
+  Result<std::string> forgotten_text() const;
   std::optional<Error> write_rows_alone(int participant,
                                         const std::vector<JournalEntry>& entries) const;
 
@@ -73,7 +73,7 @@ std::vector<QuestionnaireRow> ratings_in(int participant, const std::vector<Jour
 std::string utc_now();
 
 // Writes a file that appears under its name when it is complete and on the disk, and that only its
-// owner reads.
+// owner reads. WholeFile does neither of the last two, and keeps other commands out of the folder.
 std::optional<Error> write_synced(const std::string& path, std::string_view text);
 
 }  // namespace palpate

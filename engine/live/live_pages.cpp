@@ -139,6 +139,7 @@ void LivePages::point(const PointerMessage& message) {
 void LivePages::let_go() {
   {
     const std::lock_guard lock(mutex_);
+    if (!requests_.empty() && requests_.back().type == "left") return;  // pages that come and go
     requests_.push_back(
         {kParticipantPage, "left", std::nullopt, {{"type", "left"}, {"why", "hidden"}}});
   }

@@ -10,13 +10,14 @@
 #include "engine/recording/sha256.h"
 #include "engine/scene/felt_glb.h"
 #include "engine/trials/questionnaire_file.h"
+#include "engine/viewer/live_words.h"
 
 namespace palpate {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr auto kLookEvery = std::chrono::milliseconds(50);
+constexpr auto kLookForRequestEvery = std::chrono::milliseconds(50);
 // Of screens: from a projector to a magnified one.
 constexpr NumberRange kPixelRange_per_mm{0.01, 1000.0};
 constexpr auto kPatienceAtEnd = std::chrono::milliseconds(500);
@@ -81,6 +82,18 @@ std::optional<std::string> problem_of_ratings(const nlohmann::json& answers) {
   return std::nullopt;
 }
 
+// A misspelt key would leave a word in English.
+std::optional<Error> check_words(const ExperimentPlan& plan) {
+  const Json known = Json::parse(live_words_json());
+  for (const auto& [key, word] : plan.live->words) {
+    if (known.contains(key)) continue;
+    return Error{ErrorCode::kInvalidContent, plan.path, "/live/words/" + key,
+                 "is no word of the participant's page",
+                 "engine/viewer/page/live_words.json lists them with their English texts"};
+  }
+  return std::nullopt;
+}
+
 // Empty for a pointer, which reaches everywhere.
 Result<std::vector<Box>> find_regions(const ExperimentPlan& plan, const LiveRunSettings& settings,
                                       const std::vector<ExperimentScene>& scenes) {
@@ -111,10 +124,21 @@ std::optional<Error> check_live(const ExperimentPlan& plan, int participant) {
                  "is missing; expected the texts that a participant reads",
                  "begin with `experiment plan paper-live-mouse`"};
   }
+  if (auto error = check_words(plan)) return error;
   if (participant >= 1 && participant <= plan.participants) return std::nullopt;
   return invalid_argument("--participant",
                           "is " + std::to_string(participant) + "; expected 1 to " +
                               std::to_string(plan.participants) + ", the participants of the plan");
+}
+
+Result<std::vector<ExperimentScene>> load_live_scenes(const ExperimentPlan& plan,
+                                                      const TrialFunctions& functions) {
+  auto scenes = load_experiment_scenes(plan, functions);
+  if (!scenes) return scenes;
+  for (ExperimentScene& scene : *scenes) {
+    scene.setup = turned_setup(std::move(scene.setup), plan.start_orientation_deg.front());
+  }
+  return scenes;
 }
 
 LiveEstimate estimate_live(const ExperimentPlan& plan) {
@@ -141,7 +165,7 @@ CourseSettings course_settings(const ExperimentPlan& plan) {
 Result<std::unique_ptr<LiveRun>> LiveRun::open(ExperimentPlan plan,
                                                const LiveRunSettings& settings) {
   if (auto error = check_live(plan, settings.participant)) return *error;
-  auto scenes = load_experiment_scenes(plan, {find_trial_way, palpate::run_trial});
+  auto scenes = load_live_scenes(plan, {find_trial_way, palpate::run_trial});
   if (!scenes) return scenes.error();
   auto starts_m = find_starts(plan, *scenes);
   if (!starts_m) return starts_m.error();
@@ -190,7 +214,9 @@ std::optional<Error> LiveRun::note(JournalEntry entry) {
   count_attempt(entry);
   entry["at"] = utc_now();
   entry["at_s"] = now_s();
-  return journal_.add(std::move(entry));
+  auto error = journal_.add(std::move(entry));
+  tell_status();
+  return error;
 }
 
 // Takes what earlier runs have left.
@@ -206,6 +232,7 @@ std::optional<Error> LiveRun::begin() {
     }
     count_attempt(entry);
     if (entry["kind"] == "checked") checked_ = entry;
+    take_trip(entry);
     if (is_of_participant(entry)) last_s = seconds_of(entry);
   }
   is_resumed_ = !journal_.entries().empty();
@@ -213,6 +240,7 @@ std::optional<Error> LiveRun::begin() {
   if (auto error = note({{"kind", "opened"}, {"input", settings_.board ? "board" : "pointer"}})) {
     return error;
   }
+  is_paused_ = trip_.has_value();
   if (auto error = end_cut_trial()) return error;
   // A clock that was set back says nothing about the absence.
   const double absence_s = last_s ? now_s() - *last_s : 0.0;
@@ -220,6 +248,16 @@ std::optional<Error> LiveRun::begin() {
       course_.step() >= CourseStep::kTrials && course_.step() <= CourseStep::kBreak;
   if (!is_among_trials || (absence_s >= 0.0 && absence_s < kLongAbsence_s)) return std::nullopt;
   return note({{"kind", "refresh"}, {"absence_s", absence_s}});
+}
+
+// A force that was cut in an earlier run waits for the experimenter, too.
+void LiveRun::take_trip(const JournalEntry& entry) {
+  if (entry["kind"] == "rearm") trip_.reset();
+  if (entry["kind"] != "tripped") return;
+  const auto name = std::find(kTripReasonNames.begin(), kTripReasonNames.end(),
+                              entry.value("reason", std::string()));
+  trip_ = name == kTripReasonNames.end() ? TripReason::kNone
+                                         : static_cast<TripReason>(name - kTripReasonNames.begin());
 }
 
 // Does what was asked for when the course ended, unless it was done then.
@@ -284,12 +322,12 @@ std::optional<Error> LiveRun::lead(const StopFlag& stop) {
       error = run_trial(stop);
     } else if (!is_paused_ && before == CourseStep::kLearning) {
       error = touch_condition(stop);
-    } else if (const auto request = pages_.wait(kLookEvery)) {
+    } else if (const auto request = pages_.wait(kLookForRequestEvery)) {
       error = handle(*request);
     }
     if (error) return error;
     if (may_go_on() != told_may_go_on_) announce();  // the break is over
-    tell_status();
+    tell_status_when_due();
   }
   return std::nullopt;
 }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ struct LiveRunSettings {
   GuardableDevice* board = nullptr;  // null: a pointer of the page; it must outlive the run
   bool has_guard = true;             // of the board: see GuardedRunSettings
   bool without_realtime = false;     // as well
+  // Gets one line for each privilege that the system refuses to a trial, once; may be empty.
+  std::function<void(const std::string&)> warn = {};
   // Called with the scenes before anything is written; may be empty.
   std::function<std::optional<Error>(const std::vector<ExperimentScene>&)> check_scenes = {};
 };
@@ -49,6 +52,9 @@ LiveEstimate estimate_live(const ExperimentPlan& plan);
 
 // An error if the plan has no `live`, or not this participant.
 std::optional<Error> check_live(const ExperimentPlan& plan, int participant);
+// The scenes of a plan with a `live`, which has one orientation: their setups are turned to it.
+Result<std::vector<ExperimentScene>> load_live_scenes(const ExperimentPlan& plan,
+                                                      const TrialFunctions& functions);
 // The first entry of a journal. script: the name of the simulated person; empty: a person.
 JournalEntry journal_head(const ExperimentPlan& plan, int participant, bool is_pilot,
                           const std::string& script);
@@ -70,6 +76,7 @@ class LiveRun {
 
   LivePages& pages() { return pages_; }
   const Course& course() const { return course_; }
+  const std::vector<ExperimentScene>& scenes() const { return scenes_; }
   // An earlier run of this participant has left entries.
   bool is_resumed() const { return is_resumed_; }
 
@@ -97,6 +104,7 @@ class LiveRun {
   double break_left_s() const;
   bool may_go_on() const { return break_left_s() == 0.0; }
   Error end_of_course();
+  void take_trip(const JournalEntry& entry);
   std::optional<Error> put_away();
   Json step_json() const;
   Json display_json() const;
@@ -134,8 +142,11 @@ class LiveRun {
                                                   const PersonTrialSettings& settings,
                                                   const std::string& path) const;
   std::optional<Error> follow(Trial& trial, const StopFlag& stop);
+  void take_pictures(Trial& trial, const LiveRequest& request);
+  void take_last_pictures(Trial& trial);
   std::optional<CutReason> reason_to_cut(Trial& trial, const LiveRequest& request);
   void show_ring(Trial& trial);
+  void tell_warnings(const PersonTrial& person);
   bool answer_again(const LiveRequest& request);
   std::optional<Error> carry_out_after_trial(const LiveRequest& request);
   std::optional<Error> finish(Trial& trial);
@@ -155,7 +166,6 @@ class LiveRun {
   bool is_paused_ = false;
   std::optional<TripReason> trip_;  // the force was cut, and nobody has rearmed
   bool forgets_ = false;            // the participant wants no data to be kept
-  std::optional<std::size_t> shown_scene_;
   std::vector<std::shared_ptr<const std::string>> glbs_;  // of each scene, once it was shown
   Clock::time_point step_since_;
   Clock::time_point told_;
@@ -167,8 +177,9 @@ class LiveRun {
   Json shown_trial_;                       // the newest `trial` message; null: none was sent
   std::optional<double> picture_rate_Hz_;  // at the participant's page, in the trial that runs
   std::optional<std::size_t> last_trial_;  // the planned one that this run has ended last
-  std::size_t trial_number_ = 0;           // of the `trial` messages of this run
-  JournalEntry checked_;                   // the newest input check; null: none
+  std::set<std::string> told_warnings_;
+  std::size_t trial_number_ = 0;  // of the `trial` messages of this run
+  JournalEntry checked_;          // the newest input check; null: none
 };
 
 }  // namespace palpate

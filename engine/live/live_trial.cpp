@@ -23,10 +23,11 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr auto kLookInTrialEvery = std::chrono::milliseconds(2);
-constexpr auto kTellEvery = std::chrono::milliseconds(250);
+constexpr auto kLookEvery = std::chrono::milliseconds(50);
 // A page that draws reports its pictures four times a second. Without a report for this time more
 // than the longest time between two pictures, it draws none.
 constexpr double kReportPatience_s = 1.0;
+constexpr auto kLastReport = std::chrono::milliseconds(300);  // after trial_end
 constexpr double kMostBytesPerTick = 400.0;  // more than a recording takes at rest or in contact
 
 double seconds_since(std::chrono::steady_clock::time_point time) {
@@ -72,9 +73,9 @@ struct LiveRun::Trial {
   DrawnPictures pictures;
   std::optional<CutReason> cut;
   bool is_skipped = false;
-  std::optional<LiveRequest> deferred;  // cuts the trial, and is carried out after its end
+  std::optional<LiveRequest> cut_by;
+  std::vector<LiveRequest> deferred;  // came too late for the trial, and wait for its end
   bool shows_ring = false;
-  int returns_shown = 0;
   Clock::time_point last_report;
 };
 
@@ -121,8 +122,8 @@ Result<bool> LiveRun::wait_until_ready(std::size_t scene, const char* step, std:
                                        const StopFlag& stop) {
   if (auto error = show_scene(scene, step, number)) return *error;
   while (!stop.requested()) {
-    const auto request = pages_.wait(kTellEvery);
-    tell_status();
+    const auto request = pages_.wait(kLookEvery);
+    tell_status_when_due();
     if (!request) continue;
     if (request->type == "ready") {
       const bool is_this = request->body["trial"] == number;
@@ -154,6 +155,12 @@ bool LiveRun::answer_again(const LiveRequest& request) {
   pages_.answer(request,
                 is_this ? std::nullopt : std::optional<std::string>("ready: is another trial"));
   return true;
+}
+
+void LiveRun::tell_warnings(const PersonTrial& person) {
+  for (const std::string& warning : person.warnings()) {
+    if (told_warnings_.insert(warning).second && settings_.warn) settings_.warn(warning);
+  }
 }
 
 // The participant touches a condition without a clock, until they go on.
@@ -252,14 +259,19 @@ std::optional<Error> LiveRun::run_trial(const StopFlag& stop) {
   if (!person) return person.error();
   trial.person = std::move(*person);
   auto failed = trial.person->start();
+  if (!failed) tell_warnings(*trial.person);
   if (!failed) failed = follow(trial, stop);
   trial.person->stop();
   pages_.set_trial(nullptr);
   if (failed) return failed;
-  if (auto error = finish(trial)) return error;
   send_to_all({{"type", "trial_end"}, {"number", number}});
-  if (trial.deferred) {
-    if (auto error = carry_out_after_trial(*trial.deferred)) return error;
+  take_last_pictures(trial);
+  if (auto error = finish(trial)) return error;
+  if (trial.cut_by) {
+    if (auto error = carry_out_after_trial(*trial.cut_by)) return error;
+  }
+  for (const LiveRequest& request : trial.deferred) {
+    if (auto error = handle(request)) return error;
   }
   if (trial.cut == CutReason::kTrip) return hold_after_trip(*trial.person);
   if (course_.step() != CourseStep::kTrials) announce();
@@ -352,9 +364,11 @@ std::optional<Error> LiveRun::follow(Trial& trial, const StopFlag& stop) {
       if (answer_again(*request)) continue;
       trial.cut = reason_to_cut(trial, *request);
       if (trial.cut && watch.is_over() && !trial.is_skipped) trial.cut.reset();  // it came too late
-      if (trial.cut || watch.is_over()) {
+      if (trial.cut) {
         trial.person->stop();
-        if (request->type != "frames") trial.deferred = *request;
+        trial.cut_by = *request;
+      } else if (request->type != "frames" && watch.is_over()) {
+        trial.deferred.push_back(*request);
       } else if (request->type != "frames") {
         if (auto error = handle(*request)) return error;
       }
@@ -373,18 +387,38 @@ std::optional<Error> LiveRun::follow(Trial& trial, const StopFlag& stop) {
   return std::nullopt;
 }
 
+// A page that has reported pictures reports the last ones when it is told of the end.
+void LiveRun::take_last_pictures(Trial& trial) {
+  if (trial.pictures.count == 0) return;
+  const auto end = Clock::now() + kLastReport;
+  for (auto now = Clock::now(); now < end; now = Clock::now()) {
+    auto request = pages_.wait(std::chrono::duration_cast<std::chrono::microseconds>(end - now));
+    if (!request) continue;
+    if (request->type == "frames") {
+      take_pictures(trial, *request);
+      break;
+    }
+    trial.deferred.push_back(std::move(*request));
+  }
+  if (!trial.cut && trial.pictures.longest_s > plan_.live->longest_picture_s) {
+    trial.cut = CutReason::kLateFrames;
+  }
+}
+
+void LiveRun::take_pictures(Trial& trial, const LiveRequest& request) {
+  const auto times_ms = request.body["times_ms"].get<std::vector<double>>();
+  trial.pictures.add(times_ms);
+  picture_rate_Hz_ = trial.pictures.rate_Hz();
+  trial.last_report = Clock::now();
+  if (times_ms.empty()) return;
+  trial.recorder->add_event("pictures", request.body["times_ms"].dump(), Recorder::EventTime::kNow);
+}
+
 // Why a message of a page ends the trial; no value: it does not.
 std::optional<CutReason> LiveRun::reason_to_cut(Trial& trial, const LiveRequest& request) {
   const std::string& type = request.type;
   if (type == "frames") {
-    const auto times_ms = request.body["times_ms"].get<std::vector<double>>();
-    trial.pictures.add(times_ms);
-    picture_rate_Hz_ = trial.pictures.rate_Hz();
-    trial.last_report = Clock::now();
-    if (!times_ms.empty()) {
-      trial.recorder->add_event("pictures", request.body["times_ms"].dump(),
-                                Recorder::EventTime::kNow);
-    }
+    take_pictures(trial, request);
     return std::nullopt;
   }
   if (type == "left") return reason_of(request.body["why"].get<std::string>());
@@ -396,10 +430,9 @@ std::optional<CutReason> LiveRun::reason_to_cut(Trial& trial, const LiveRequest&
   return request.role == kParticipantPage ? CutReason::kParticipant : CutReason::kExperimenter;
 }
 
+// What a request that has cut the trial asks for beyond that.
 std::optional<Error> LiveRun::carry_out_after_trial(const LiveRequest& request) {
-  const std::string& type = request.type;
-  const bool is_of_end = type == "left" || type == "abort" || type == "skip";
-  if (!is_of_end) return handle(request);
+  if (request.type == "pause" || request.type == "stop") return handle(request);
   pages_.answer(request, std::nullopt);  // the end of the trial was what it asked for
   return std::nullopt;
 }
@@ -423,6 +456,8 @@ std::optional<Error> LiveRun::finish(Trial& trial) {
   TrialOutcome outcome;
   const TrialClock& clock = trial.person->clock();
   if (trial.recorder->has_failed() && !trial.is_skipped) trial.cut = CutReason::kServer;
+  // A person does the trial again that a bad sample has ended.
+  if (!trial.cut && clock.status() == TrialStatus::kFault) trial.cut = CutReason::kFault;
   LiveColumns live = live_columns();
   live.reason = trial.cut;
   live.returns_shown = static_cast<int>(trial.person->watch().times_lost());

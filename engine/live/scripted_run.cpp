@@ -122,7 +122,7 @@ Result<bool> run_script(const ExperimentPlan& plan, const ScriptSettings& settin
                         const std::function<void(std::size_t, std::size_t)>& progress,
                         const StopFlag& stop) {
   if (auto error = check_live(plan, settings.participant)) return *error;
-  auto scenes = load_experiment_scenes(plan, functions);
+  auto scenes = load_live_scenes(plan, functions);
   if (!scenes) return scenes.error();
   if (auto error = check_persons(plan, scenes->front().setup)) return *error;
   auto folder = LiveFolder::open(settings.folder, plan);

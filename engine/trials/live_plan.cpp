@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "geometry/base/quoted.h"
-#include "io/gltf/file.h"
 
 namespace palpate {
 namespace {
@@ -41,10 +40,7 @@ Result<std::string> text_of_file(const Json& value, const std::string& element,
   ObjectReader reader(value, element);
   reader.text("file", name, Key::kRequired, kMostProseBytes);
   if (auto error = reader.finish()) return *error;
-  const std::string path = (std::filesystem::path(folder) / name).string();
-  const auto bytes = read_regular_file(path, kMostLiveTextBytes);
-  if (!bytes) return bytes.error();
-  return std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  return read_settings_text((std::filesystem::path(folder) / name).string(), kMostLiveTextBytes);
 }
 
 Result<std::string> read_text(const Json& value, const std::string& element,

@@ -30,6 +30,8 @@ inline constexpr std::size_t kLiveTextCount = 4;
 inline constexpr std::array<std::string_view, kLiveTextCount> kLiveTextNames = {
     "information", "consent", "instructions", "debriefing"};
 inline constexpr std::uint64_t kMostLiveTextBytes = std::uint64_t{1} << 20;
+// Of a file that has all of them as JSON, with its escapes.
+inline constexpr std::uint64_t kMostTextsFileBytes = 2 * kLiveTextCount * kMostLiveTextBytes;
 
 // What a person may be asked before the first trial.
 inline constexpr std::array<std::string_view, 4> kAboutNames = {"age", "gender", "hand",

@@ -91,10 +91,14 @@ std::string dataset_description(const std::string& name, const std::string& desc
   return json.dump(2) + "\n";
 }
 
-std::string psych_ds_file(int subject, std::string_view task) {
+std::string psych_ds_subject(int subject) {
   std::string number = std::to_string(subject);
   if (number.size() < 2) number.insert(0, "0");
-  return "subject-" + number + "_task-" + std::string(task) + "_data.csv";
+  return "subject-" + number;
+}
+
+std::string psych_ds_file(int subject, std::string_view task) {
+  return psych_ds_subject(subject) + "_task-" + std::string(task) + "_data.csv";
 }
 
 }  // namespace palpate

@@ -33,7 +33,10 @@ std::vector<DescribedColumn> described_columns(const CsvTable<Row>& table) {
 std::string dataset_description(const std::string& name, const std::string& description,
                                 const std::vector<DescribedColumn>& columns);
 
-// "subject-01_task-contour_data.csv": numbers have at least two digits. task: letters and digits.
+// "subject-01": numbers have at least two digits.
+std::string psych_ds_subject(int subject);
+
+// "subject-01_task-contour_data.csv". task: letters and digits.
 std::string psych_ds_file(int subject, std::string_view task);
 
 }  // namespace palpate

@@ -73,4 +73,7 @@ std::string questionnaire_columns_csv();
 Result<std::vector<QuestionnaireRow>> parse_questionnaires(std::string_view text,
                                                            const std::string& path);
 
+// The same of a file of at most kMostTrialsBytes.
+Result<std::vector<QuestionnaireRow>> read_questionnaires(const std::string& path);
+
 }  // namespace palpate

@@ -63,8 +63,8 @@ Result<Json> parse_strict_json(std::string_view text, const std::string& path) {
   return std::move(*json);
 }
 
-Result<std::string> read_settings_text(const std::string& path) {
-  const auto bytes = read_regular_file(path, kMostSettingsBytes);
+Result<std::string> read_settings_text(const std::string& path, std::uint64_t most_bytes) {
+  const auto bytes = read_regular_file(path, most_bytes);
   if (!bytes) return bytes.error();
   return std::string(bytes->begin(), bytes->end());
 }

@@ -28,8 +28,9 @@ inline constexpr std::size_t kMostProseBytes = 2000;
 // path: for Error::path.
 Result<nlohmann::json> parse_strict_json(std::string_view text, const std::string& path);
 
-// The content of a file of at most kMostSettingsBytes.
-Result<std::string> read_settings_text(const std::string& path);
+// The content of a file of at most most_bytes.
+Result<std::string> read_settings_text(const std::string& path,
+                                       std::uint64_t most_bytes = kMostSettingsBytes);
 
 // Six digits, as messages show limits: "0.25".
 std::string number_text(double value);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/report/write_error.h"
+#include "engine/report/write_whole.h"
 #include "engine/trials/key_hash.h"
 #include "engine/trials/trials_file.h"
 #include "geometry/base/file_roles.h"
@@ -123,16 +124,9 @@ int TrialJournal::append(std::string_view text) {
     if (descriptor_ < 0) return errno;
     if (::ftruncate(descriptor_, static_cast<off_t>(bytes_)) != 0) return errno;
   }
-  std::size_t written = 0;
-  while (written < text.size()) {
-    const ssize_t count = ::pwrite(descriptor_, text.data() + written, text.size() - written,
-                                   static_cast<off_t>(bytes_ + written));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return count < 0 ? errno : ENOSPC;
-    written += static_cast<std::size_t>(count);
-  }
-  bytes_ += text.size();
-  return 0;
+  const int reason = write_whole(descriptor_, text, bytes_);
+  if (reason == 0) bytes_ += text.size();
+  return reason;
 }
 
 std::optional<Error> TrialJournal::add(std::uint64_t trial, std::string_view rows) {

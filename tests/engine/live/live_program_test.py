@@ -198,7 +198,7 @@ class Tests:
     # The rows of a simulated person are those of `experiment run`.
     def test_script(self):
         plan = self.write(plan_with(self.models, followings=["delayed", "frozen"], blocks=1,
-                                    rotation=["R"]))
+                                    rotation=["R"], start_orientation_deg=[30]))
         for number in (2, 1):
             done = self.run("live", plan, "--participant", number, "--script", "people2005", "--out",
                             self.folder / "live")
@@ -488,6 +488,8 @@ class Tests:
         assert self.run("run", plan, "--out", self.folder / "simulated").returncode == 0
         simulated = self.run("live", plan, "--participant", 1, "--out", self.folder / "simulated")
         assert simulated.returncode == 2 and "simulated persons" in simulated.stderr, simulated
+        assert self.run("run", plan, "--out", self.folder / "simulated").returncode == 0, \
+            "the refused command leaves nothing in the folder"
 
     def test_second_program(self):
         plan = self.write(plan_with(self.models))
@@ -570,6 +572,8 @@ class Tests:
         blank = {**live, "texts": {**TEXTS, "debriefing": " \n"}}
         self.refused(self.write({**good, "live": blank}), "/live/texts/debriefing")
         self.refused(self.write({k: v for k, v in good.items() if k != "live"}), "/live: is missing")
+        wrong = {**live, "words": {"go_onn": "Weiter"}}
+        self.refused(self.write({**good, "live": wrong}), "/live/words/go_onn: is no word")
         self.refused(self.write({**good, "scale": [1, 2]}), "/live: is in a plan with several")
         self.refused(self.write(good), "--device: is given", "--device", "hapi:port=/dev/null")
         board = {**live, "input": "board"}

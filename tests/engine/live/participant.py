@@ -100,6 +100,7 @@ class Participant:
             while not self.page.states:
                 if any(text["type"] == "trial_end" for text in self.page.texts):
                     self.page.expect("trial_end")
+                    self.page.send({"type": "frames", "times_ms": [1000 * time.monotonic()]})
                     return
                 self.page.read_frame()
             self.page.point(hand.target(Record(self.page.states[-1][STATE_BYTES:])))

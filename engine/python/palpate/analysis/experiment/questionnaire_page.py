@@ -37,13 +37,13 @@ def section(found: Questionnaires | None) -> dict[str, Any] | None:
 
 def terminal_lines(found: Questionnaires | None) -> list[str]:
     """ "questionnaires of 12 people: raw TLX, Friedman chi2(5) = 12.3, p = 0.031"."""
+    if found is None:
+        return []
     lines = []
-    for each in found.compared if found else ():
-        if each.rating in MAIN and found:
-            test = each.friedman
-            words = f"chi2({df_text(test.df)}) = {number_or_dash(test.chi2)}, {p_text(test.p)}"
-            lines.append(f"questionnaires of {found.participants} people: {each.rating.name}, "
-                         f"Friedman {words}, n {test.participants}")
+    for test, name in ((c.friedman, c.rating.name) for c in found.compared if c.rating in MAIN):
+        words = f"chi2({df_text(test.df)}) = {number_or_dash(test.chi2)}, {p_text(test.p)}"
+        lines.append(f"questionnaires of {found.participants} people: {name}, "
+                     f"Friedman {words}, n {test.participants}")
     return lines
 
 

@@ -106,8 +106,8 @@ def compare(rows: pd.DataFrame, file: str) -> Questionnaires:
     answers = rows.set_index(list(KEY))["value"].astype(float)
     compared = []
     for rating in RATINGS:
-        index = pd.MultiIndex.from_product([people, conditions, rating.items])
-        index = pd.MultiIndex.from_tuples([(p, *c, i) for p, c, i in index], names=KEY)
+        keys = [(p, *c, i) for p, c, i in product(people, conditions, rating.items)]
+        index = pd.MultiIndex.from_tuples(keys, names=KEY)
         table = answers.reindex(index).to_numpy().reshape(len(people), len(conditions), -1)
         if not np.isnan(sums := table.sum(axis=2)).all():
             compared.append(_compared(rating, conditions, sums))
