@@ -25,8 +25,8 @@
 namespace palpate::bench {
 namespace {
 
-constexpr double kDt_s = 1e-3;
-constexpr std::int64_t kDt_ns = 1'000'000;
+constexpr double kPeriod_s = 1e-3;
+constexpr std::int64_t kPeriod_ns = 1'000'000;
 // A contact that is stable by itself on a device of unknown mechanics (kBareTip).
 constexpr double kStiffness_N_per_m = 100.0;
 constexpr double kDepth_m = 0.02;
@@ -66,8 +66,8 @@ class GovernedTicks {
   const TickRecord& tick(double share = 1.0) {
     const std::size_t n = static_cast<std::size_t>(sample_.sequence++) % kSamples;
     for (std::size_t k = 0; k < 3; ++k) sample_.position_m[k] = share * positions_m_[n][k];
-    now_ns_ += kDt_ns;
-    const DeviceSample& used = governor_.begin_tick(sample_, {kDt_s, 0, now_ns_});
+    now_ns_ += kPeriod_ns;
+    const DeviceSample& used = governor_.begin_tick(sample_, {kPeriod_s, 0, now_ns_});
     if (turns_) {
       governor_.set_motors(
           std::span(device_.motors).first(static_cast<std::size_t>(device_.motor_count)));
@@ -90,7 +90,7 @@ class GovernedTicks {
   SafetyGovernor governor_;
   DeviceSample sample_;
   TickRecord record_;
-  std::int64_t now_ns_ = kDt_ns;
+  std::int64_t now_ns_ = kPeriod_ns;
   std::array<std::array<double, 3>, kSamples> positions_m_{};
   std::array<Vec3, kSamples> forces_N_{};
 };
@@ -176,7 +176,7 @@ void run_attribution(benchmark::State& state, bool are_late) {
   meter.start();
   for (auto _ : state) {
     const std::int64_t start_ns = meter.begin(0);
-    meter.end(0, 0, are_late ? 0 : start_ns + kDt_ns);
+    meter.end(0, 0, are_late ? 0 : start_ns + kPeriod_ns);
   }
   meter.finish();
   const TickTimes& times = meter.times();

@@ -30,16 +30,16 @@ std::size_t terminal_columns() {
   return kUsual;
 }
 
-void print_warning(const std::string& warning) {
-  std::cerr << "palpate: warning: " << printable(with_option_names(warning)) << "\n";
-}
-
 Error lost_output() {
   return {ErrorCode::kFileUnwritable, "standard output", "", "cannot be written",
           "check its target and the free space"};
 }
 
 }  // namespace
+
+void warn(const std::string& warning) {
+  std::cerr << "palpate: warning: " << printable(with_option_names(warning)) << "\n";
+}
 
 int refuse(const Error& error) {
   std::cerr << "palpate: " << printable(with_option_names(error).to_string()) << "\n";
@@ -54,8 +54,8 @@ void print(const nlohmann::ordered_json& json) {
 
 int finish_output(const std::vector<std::string>& warnings) {
   if (!std::cout.flush()) return refuse(lost_output());
-  for (const std::string& warning : warnings) print_warning(warning);
-  for (const std::string& warning : unlocked_folders()) print_warning(warning);
+  for (const std::string& warning : warnings) warn(warning);
+  for (const std::string& warning : unlocked_folders()) warn(warning);
   return 0;
 }
 

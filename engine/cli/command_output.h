@@ -20,6 +20,9 @@ inline constexpr int kBadInput = 2;  // the exit code of bad arguments and bad i
 // Prints the error as one line on stderr. Returns kBadInput.
 int refuse(const Error& error);
 
+// Prints the warning as one line on stderr, at once. The caller has no output that may still fail.
+void warn(const std::string& warning);
+
 // Prints JSON on stdout. Bytes of a name that are not UTF-8 become replacement characters.
 void print(const nlohmann::ordered_json& json);
 

@@ -26,7 +26,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint64_t kMostPort = 65535;
 constexpr std::uint64_t kMostCpu = 4095;
 
 std::string minutes_text(double seconds) {
@@ -46,10 +45,6 @@ std::string estimate_text(const ExperimentPlan& plan) {
        << " if each takes its limit; about " << std::fixed << std::setprecision(0)
        << e.usual_bytes / kMB << " MB of recordings";
   return text.str();
-}
-
-void warn(const std::string& warning) {
-  std::cerr << "palpate: warning: " << printable(warning) << "\n";
 }
 
 std::optional<Error> check_input(const ExperimentPlan& plan, const ExperimentLiveRequest& request) {
@@ -209,8 +204,7 @@ void add_live(CLI::App& experiment, ExperimentLiveRequest& request) {
                  "file, such as people2005");
   app.add_flag("--pilot", request.is_pilot, "mark the rows; `experiment analyse` leaves them out");
   add_integer(app, "--cpu", request.cpu, {0, kMostCpu}, "CPU on which the haptic thread stays");
-  add_integer(app, "--port", request.server.port, {0, kMostPort},
-              "the server's port; 0: any free one");
+  add_port(app, request.server);
 }
 
 }  // namespace palpate

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sys/resource.h>
 
+#include "engine/cli/number_option.h"
+
 namespace palpate {
 namespace {
 
@@ -17,6 +19,12 @@ void allow_many_files() {
 }
 
 }  // namespace
+
+CLI::Option* add_port(CLI::App& app, ServerSettings& settings) {
+  constexpr std::uint64_t kMostPort = 65535;
+  return add_integer(app, "--port", settings.port, {0, kMostPort},
+                     "the server's port; 0: any free one");
+}
 
 std::string page_address(const ServerSettings& settings, const ViewServer& server, PageRole role) {
   std::string host = settings.address;

@@ -5,9 +5,14 @@
 #include <memory>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "engine/viewer/view_server.h"
 
 namespace palpate {
+
+// --port.
+CLI::Option* add_port(CLI::App& app, ServerSettings& settings);
 
 // As a browser on this machine writes it, with the token of a role.
 std::string page_address(const ServerSettings& settings, const ViewServer& server,

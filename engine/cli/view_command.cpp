@@ -45,7 +45,6 @@ namespace {
 
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 constexpr const char* kPageGroup = "Page";
-constexpr std::uint64_t kMostPort = 65535;
 
 // A length on the screen over that of the device: far apart from what any screen or eye resolves.
 constexpr NumberRange kDisplayScales{0.01, 100.0};
@@ -63,10 +62,6 @@ struct ViewRequest {
   bool opens_browser = false;
   bool prints_licences = false;
 };
-
-void warn(const std::string& warning) {
-  std::cerr << "palpate: warning: " << printable(warning) << "\n";
-}
 
 std::optional<Error> check_hosts(const std::vector<std::string>& hosts) {
   for (const std::string& text : hosts) {
@@ -304,8 +299,7 @@ CLI::App* ViewCommand::add_to(CLI::App& program) {
 
 void ViewCommand::add_page(CLI::App& app) {
   ServerSettings& server = request_.server;
-  add_integer(app, "--port", server.port, {0, kMostPort}, "the server's port; 0: any free one")
-      ->group(kPageGroup);
+  add_port(app, server)->group(kPageGroup);
   app.add_option("--listen", server.address,
                  "IP address at which the server listens; any but a loopback address opens it to "
                  "the network")

@@ -31,7 +31,7 @@ Cell<QuestionnaireRow> value_on_its_scale() {
       whole.values};
 }
 
-CsvTable<QuestionnaireRow> make_table() {
+CsvTable<QuestionnaireRow> make_questionnaire_table() {
   CsvTable<QuestionnaireRow> table;
   table.columns = {
       {"participant", "", "the person", "", Presence::kRequired,
@@ -65,7 +65,7 @@ CsvTable<QuestionnaireRow> make_table() {
 }  // namespace
 
 const CsvTable<QuestionnaireRow>& questionnaire_table() {
-  static const CsvTable<QuestionnaireRow> table = make_table();
+  static const CsvTable<QuestionnaireRow> table = make_questionnaire_table();
   return table;
 }
 
