@@ -437,13 +437,16 @@ std::optional<Error> LiveRun::carry_out_after_trial(const LiveRequest& request) 
   return std::nullopt;
 }
 
-// Where the person should return to.
+// Where the person should return to, or how they get out of an object in which they began.
 void LiveRun::show_ring(Trial& trial) {
   const TrialWatch& watch = trial.person->watch();
-  if (watch.is_lost() == trial.shows_ring) return;
+  const bool waits_inside = trial.person->waits_inside();
+  if ((watch.is_lost() || waits_inside) == trial.shows_ring) return;
   trial.shows_ring = !trial.shows_ring;
   Json ring = {{"type", "ring"}, {"p_scene_m", nullptr}};
-  if (trial.shows_ring) {
+  if (trial.shows_ring && waits_inside) {
+    ring["p_scene_m"] = vector_json(starts_m_[trial.scene]);
+  } else if (trial.shows_ring) {
     const HandPath& path = scenes_[trial.scene].way.path;
     ring["p_scene_m"] = vector_json(point_along(path, path.lengths_m(), watch.along_m()));
   }

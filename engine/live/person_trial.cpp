@@ -45,14 +45,16 @@ std::optional<Error> PersonTrial::make_rig(const Scene& scene, const RunSetup& s
   std::vector<TickObserver*> observers;
   if (clock_) observers.push_back(clock_.get());
   observers.push_back(&watch_);
+  is_on_board_ = board != nullptr;
   Device& device = board == nullptr ? static_cast<Device&>(pointer_) : *board;
-  auto rig =
-      Rig::create(scene, setup, device,
-                  {.observers = observers,
-                   .sink = settings.sink,
-                   // Motors that turn with the linkage are what it can push; two of them push
-                   // everywhere, and the plan's axis is a choice.
-                   .takes_motors = board != nullptr && board->description().motor_count == 1});
+  auto rig = Rig::create(scene, setup, device,
+                         {.observers = observers,
+                          .sink = settings.sink,
+                          // Motors that turn with the linkage are what it can push; two of them
+                          // push everywhere, and the plan's axis is a choice.
+                          .takes_motors = board != nullptr && board->description().motor_count == 1,
+                          // A hand on a board may have moved on since the scene was placed at it.
+                          .stays_inside = board ? std::optional(false) : std::nullopt});
   if (!rig) return rig.error();
   rig_ = std::move(*rig);
   const std::size_t most_moving =
@@ -64,6 +66,10 @@ std::optional<Error> PersonTrial::make_rig(const Scene& scene, const RunSetup& s
       GuardedRunSettings{
           {1.0 / setup.dt_s, 0, settings.cpu}, settings.has_guard, settings.without_realtime});
   return std::nullopt;
+}
+
+bool PersonTrial::waits_inside() const {
+  return is_on_board_ && rig_->start_inside().status().phase == StartInside::Phase::kInside;
 }
 
 std::optional<TripReason> PersonTrial::trip() const {

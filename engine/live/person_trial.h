@@ -70,6 +70,8 @@ class PersonTrial {
   std::uint64_t take_ticks(std::vector<TickSummary>& rows) { return publisher_->take_ticks(rows); }
   // How often the pointer has been taken up.
   std::uint32_t presses() const noexcept { return pointer_.presses(); }
+  // The hand began inside an object, is free there, and has not left yet (StartInside).
+  bool waits_inside() const;
   // Why the governor cut the force; no value: it did not.
   std::optional<TripReason> trip() const;
 
@@ -79,6 +81,7 @@ class PersonTrial {
   std::optional<Error> make_rig(const Scene& scene, const RunSetup& setup,
                                 const PersonTrialSettings& settings, GuardableDevice* board);
 
+  bool is_on_board_ = false;
   PointedDevice pointer_;
   std::unique_ptr<TrialClock> clock_;
   TrialWatch watch_;

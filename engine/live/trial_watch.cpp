@@ -18,7 +18,7 @@ void TrialWatch::end(TrialCut cut) noexcept {
 }
 
 void TrialWatch::on_trip(const GovernorTrip&) noexcept {
-  end(TrialCut::kTrip);
+  has_tripped_ = true;
 }
 
 // A tick that begins after the next one was due takes its place: the periods between are left out.
@@ -30,6 +30,10 @@ void TrialWatch::judge_lateness(const TickRecord& record) noexcept {
 }
 
 void TrialWatch::on_tick(const TickRecord& record) noexcept {
+  if (has_tripped_) {
+    if ((record.rules & kRuleRelease) == 0) end(TrialCut::kTrip);
+    return;
+  }
   judge_lateness(record);
   if (clock_ == nullptr) return;
   if (clock_->is_over()) end(TrialCut::kNone);

@@ -13,8 +13,9 @@ namespace palpate {
 // A trial of a person ends by itself for these reasons, besides those of its clock.
 enum class TrialCut : std::uint8_t { kNone, kLateTick, kTrip };
 
-// Behind the clock in the list of observers. on_tick() runs on the haptic thread; any thread may
-// call the const functions.
+// A trip ends the trial once the governor's rule *release* has let go of the hand: a session that
+// stopped at once would drop it. Behind the clock in the list of observers. on_tick() runs on the
+// haptic thread; any thread may call the const functions.
 class TrialWatch final : public TickObserver {
  public:
   // A person who is lost needs to know after this time without a contact on the way. The clock
@@ -43,6 +44,7 @@ class TrialWatch final : public TickObserver {
   void judge_lateness(const TickRecord& record) noexcept;
 
   const TrialClock* clock_;
+  bool has_tripped_ = false;
   std::uint64_t lost_after_ticks_;
   std::int64_t longest_lateness_ns_;
   std::int64_t period_ns_;

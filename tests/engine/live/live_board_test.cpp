@@ -16,7 +16,9 @@
 
 #include "engine/drivers/drivers.h"
 #include "engine/live/live_run.h"
+#include "engine/live/start_place.h"
 #include "engine/live/stroke.h"
+#include "engine/session/closed_surfaces.h"
 #include "engine/simulation/board_terminal.h"
 #include "engine/trials/paper_plan.h"
 #include "tests/helpers/gltf_builder.h"
@@ -303,6 +305,50 @@ TEST_F(LiveOnBoard, AfterATripTheCourseWaitsForTheExperimenter) {
   EXPECT_TRUE(wait_until([&] { return answer_to(9, kParticipantPage); }));
   EXPECT_EQ(answer_["ok"], true) << answer_;
   EXPECT_TRUE(wait_until([&] { return status()["step"] == "learning"; }));
+}
+
+// The hand goes on while the scene is placed at it and the session begins.
+TEST_F(LiveOnBoard, AHandThatBeginsInsideIsFreeUntilItHasLeft) {
+  const auto made = plan(0.15);
+  ASSERT_TRUE(made) << made.error().to_string();
+  const auto scenes = load_live_scenes(plan_for_person(*made), {find_trial_way, run_trial});
+  ASSERT_TRUE(scenes) << scenes.error().to_string();
+  const ExperimentScene& scene = scenes->front();
+  const auto start_m = start_place_m(scene.scene, scene.way, made->trial.sphere_radius_m);
+  ASSERT_TRUE(start_m) << start_m.error().to_string();
+  const Vec3 inside_m(0.0, 0.0, start_m->z());  // the middle of the star
+  ASSERT_TRUE(enclosing_object(scene.scene, inside_m));
+  const ScenePose& pose = scene.setup.haptics.initial_pose;
+  PersonTrialSettings settings;
+  settings.force = ForceMode::kFull;
+  settings.without_realtime = true;
+  settings.longest_lateness_s = 10.0;
+  settings.hand_m = pose.point(*start_m) - pose.point(inside_m);  // and it has gone on to (0, 0)
+  const auto pull_to = [&](const Vec3& p_scene_m) {
+    const Vec3 p_device_m = pose.point(p_scene_m) - pose.point(inside_m);
+    board_->set_hand(kMiddle_m + Vec2(p_device_m.x(), p_device_m.y()));
+  };
+  KeptDevice kept(*device_);
+  ASSERT_FALSE(kept.start()) << "the board counts from the pose in which it is opened";
+  pull_to(inside_m);
+  const auto person = PersonTrial::create(scene, *start_m, settings, &kept);
+  ASSERT_TRUE(person) << person.error().to_string();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the hand takes the tip there
+  const auto problem = (*person)->start();
+  ASSERT_FALSE(problem) << problem->to_string();
+  ASSERT_TRUE(wait_until([&] { return (*person)->waits_inside(); }));
+  const std::uint64_t before = board_->commands();
+  ASSERT_TRUE(wait_until([&] { return board_->commands() > before + 500; }));
+  EXPECT_FALSE(has_force());
+  EXPECT_TRUE((*person)->waits_inside());
+  pull_to(*start_m);
+  ASSERT_TRUE(wait_until([&] { return !(*person)->waits_inside(); }));
+  EXPECT_FALSE(has_force());
+  EXPECT_FALSE((*person)->clock().measures()[kTotalTime]) << "the clock has not started";
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  pull_to(scene.way.green_m + (scene.way.green_m - *start_m));
+  EXPECT_TRUE(wait_until([&] { return has_force(); }));
+  (*person)->stop();
 }
 
 TEST(Stroke, RegionIsWhereTheStrokeFits) {

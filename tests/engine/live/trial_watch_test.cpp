@@ -34,8 +34,9 @@ class Watched {
       : clock_(way_, TrialSettings{}, 0.0, kDt_s), watch_(&clock_, kDt_s, longest_lateness_s) {}
 
   // The hand is at x, 1 mm in the wall or 1 mm above it.
-  void tick(double x_m, bool is_in_contact, std::int64_t late_ns = 0) {
+  void tick(double x_m, bool is_in_contact, std::int64_t late_ns = 0, std::uint32_t rules = 0) {
     TickRecord record;
+    record.rules = rules;
     record.tick = tick_++;
     record.proxy_scene_m[0] = record.goal_scene_m[0] = x_m;
     record.goal_scene_m[1] = is_in_contact ? -1e-3 : 1e-3;
@@ -118,6 +119,11 @@ TEST(TrialWatch, CutsATrialWithALateTickOrATrip) {
 
   Watched tripped;
   tripped.watch_.on_trip({});
+  for (int i = 0; i < 30; ++i) {
+    tripped.tick(0.05, true, 0, kRuleTripped | kRuleRelease);
+    EXPECT_FALSE(tripped.watch_.is_over()) << "the force falls, and the hand is not dropped";
+  }
+  tripped.tick(0.05, true, 0, kRuleTripped);
   EXPECT_TRUE(tripped.watch_.is_over());
   EXPECT_EQ(tripped.watch_.cut(), TrialCut::kTrip);
 }

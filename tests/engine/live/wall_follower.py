@@ -3,9 +3,7 @@
 import math
 import struct
 
-SPEED_M = 1.5e-3  # from one state to the next
-DEPTH_M = 1.0e-3  # into the wall
-TURN = math.radians(20)  # from one state to the next, once contact is lost
+
 
 
 class Record:
@@ -31,6 +29,10 @@ class Record:
 class WallFollower:
     """Touches the wall at the green sphere, then goes along it with the material on its left."""
 
+    speed_m = 1.5e-3  # from one state to the next
+    depth_m = 1.0e-3  # into the wall
+    turn = math.radians(20)  # from one state to the next, once contact is lost
+
     def __init__(self, green_m):
         self.green = green_m
         self.inward = None  # the direction into the wall that was touched last
@@ -44,19 +46,19 @@ class WallFollower:
             self.inward = (-record.normal[0] / n, -record.normal[1] / n)
             self.lost = 0
             ahead = (self.inward[1], -self.inward[0])  # its left is inward
-            self.at = (record.proxy[0] + SPEED_M * ahead[0] + DEPTH_M * self.inward[0],
-                       record.proxy[1] + SPEED_M * ahead[1] + DEPTH_M * self.inward[1])
+            self.at = (record.proxy[0] + self.speed_m * ahead[0] + self.depth_m * self.inward[0],
+                       record.proxy[1] + self.speed_m * ahead[1] + self.depth_m * self.inward[1])
         elif self.inward is None:
             x, y = self.at or record.proxy[:2]
             dx, dy = self.green[0] - x, self.green[1] - y
             away = max(math.hypot(dx, dy), 1e-9)
-            step = min(SPEED_M, away) if away > 1e-6 else SPEED_M
+            step = min(self.speed_m, away) if away > 1e-6 else self.speed_m
             self.at = (x + step * dx / away, y + step * dy / away)
         else:
             self.lost += 1
-            angle = min(self.lost * TURN, math.pi)
+            angle = min(self.lost * self.turn, math.pi)
             ahead = (self.inward[1], -self.inward[0])
             along, into = math.cos(angle), math.sin(angle)
-            self.at = (self.at[0] + SPEED_M * (along * ahead[0] + into * self.inward[0]),
-                       self.at[1] + SPEED_M * (along * ahead[1] + into * self.inward[1]))
+            self.at = (self.at[0] + self.speed_m * (along * ahead[0] + into * self.inward[0]),
+                       self.at[1] + self.speed_m * (along * ahead[1] + into * self.inward[1]))
         return record.to_device(*self.at)
