@@ -18,7 +18,10 @@ palpate_python_test_packages=(python3-pytest mypy)  # for the tests of engine/py
 palpate_clang_packages=(clang libclang-rt-dev)  # only for the preset asan
 palpate_fuzz_targets=(fuzz_gltf fuzz_hapi_link fuzz_page fuzz_recording make_fuzz_seeds)
 
-palpate_browser_packages=(chromium fonts-dejavu-core)  # for the test that opens the report
+palpate_browser_packages=(
+  chromium fonts-dejavu-core  # for tests that open reports and pages
+  xvfb evilwm xdotool  # a desktop with a mouse, for those of full screen and pointer lock
+)
 
 palpate_site_packages=(python3-sphinx python3-myst-parser furo)  # for docs/build.sh and its tests
 

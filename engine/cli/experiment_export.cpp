@@ -239,7 +239,9 @@ std::string readme_of(const Exported& exported) {
       "## What is missing here\n\n"
       "Whoever publishes this folder adds author, citation, license, funder, url, identifier "
       "and privacyPolicy to\n`dataset_description.json`, as far as they exist, and is "
-      "responsible for consent and for ethics approval.\n";
+      "responsible for consent and for ethics approval.\nPsych-DS also recommends the folders "
+      "`analysis` and `results`, and `.psychds-ignore` for files that its validator should not "
+      "read.\n";
   return text;
 }
 

@@ -139,12 +139,13 @@ std::vector<QuestionnaireRow> ratings_in(int participant,
     if (entry.value("kind", "") != "rated" || entry.value("pilot", false)) continue;
     const std::string haptic = entry.value("haptic", "");
     const std::string rotation = entry.value("rotation", "");
-    std::erase_if(rows, [&](const QuestionnaireRow& row) {
-      return row.haptic == haptic && row.rotation == rotation;
+    const int block = entry.value("block", 1);
+    std::erase_if(rows, [&](const QuestionnaireRow& row) {  // rated again
+      return row.block == block && row.haptic == haptic && row.rotation == rotation;
     });
     for (const auto& level : kQuestionnaireItemLevels) {
       const int value = entry.at("answers").value(std::string(level.name), 0);
-      rows.push_back({std::to_string(participant), haptic, rotation, level.value, value});
+      rows.push_back({std::to_string(participant), block, haptic, rotation, level.value, value});
     }
   }
   return rows;

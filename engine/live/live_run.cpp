@@ -393,6 +393,7 @@ void LiveRun::announce() {
                 {"display", display_json()},
                 {"inputs", settings_.board ? Json{"board"} : Json{"mouse", "pen", "touch"}},
                 {"rate_Hz", plan_.device.rate_Hz},
+                {"clutch", live.permits_clutch},
                 {"checked", checked_},
                 {"step", step}};
   pages_.set_hello(kParticipantPage, hello);

@@ -85,6 +85,7 @@ PersonTrialSettings LiveRun::trial_settings(const PlannedTrial& planned) const {
   settings.a4 = kRotationLevels[planned.condition.rotation].value;
   settings.trial = plan_.trial;
   settings.longest_lateness_s = plan_.live->longest_lateness_s;
+  settings.permits_clutch = plan_.live->permits_clutch;
   settings.cpu = settings_.cpu;
   settings.has_guard = settings_.has_guard;
   settings.without_realtime = settings_.without_realtime;
@@ -384,6 +385,7 @@ std::optional<Error> LiveRun::follow(Trial& trial, const StopFlag& stop) {
   }
   if (watch.cut() == TrialCut::kLateTick) trial.cut = CutReason::kLateTicks;
   if (watch.cut() == TrialCut::kTrip) trial.cut = CutReason::kTrip;
+  if (watch.cut() == TrialCut::kLift) trial.cut = CutReason::kLift;
   return std::nullopt;
 }
 
@@ -464,7 +466,7 @@ std::optional<Error> LiveRun::finish(Trial& trial) {
   LiveColumns live = live_columns();
   live.reason = trial.cut;
   live.returns_shown = static_cast<int>(trial.person->watch().times_lost());
-  live.clutches = static_cast<int>(std::max(1u, trial.person->presses()) - 1);
+  live.clutches = static_cast<int>(trial.person->clutches());
   live.pictures = trial.pictures.count;
   live.longest_picture_s = trial.pictures.longest_s;
   outcome.status = trial.is_skipped ? TrialStatus::kSkipped

@@ -32,17 +32,17 @@ Result<std::unique_ptr<PersonTrial>> PersonTrial::create(const ExperimentScene& 
 
 PersonTrial::PersonTrial(const ExperimentScene& scene, const RunSetup& setup,
                          const Vec3& start_device_m, const PersonTrialSettings& settings)
-    : pointer_(setup.device, start_device_m),
+    : pointer_(setup.device, start_device_m, settings.permits_clutch),
       clock_(settings.has_clock
                  ? std::make_unique<TrialClock>(scene.way, settings.trial,
                                                 setup.haptics.god_object.radius_m, setup.dt_s)
                  : nullptr),
-      watch_(clock_.get(), setup.dt_s, settings.longest_lateness_s) {}
+      watch_(clock_.get(), setup.dt_s, settings.longest_lateness_s, &pointer_.clutch()) {}
 
 std::optional<Error> PersonTrial::make_rig(const Scene& scene, const RunSetup& setup,
                                            const PersonTrialSettings& settings,
                                            GuardableDevice* board) {
-  std::vector<TickObserver*> observers;
+  std::vector<TickObserver*> observers{&pointer_};
   if (clock_) observers.push_back(clock_.get());
   observers.push_back(&watch_);
   is_on_board_ = board != nullptr;

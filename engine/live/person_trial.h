@@ -25,6 +25,7 @@ struct PersonTrialSettings {
   TrialSettings trial;
   bool has_clock = true;            // false: the person touches the scene as long as they like
   double longest_lateness_s = 0.1;  // see TrialWatch
+  bool permits_clutch = false;      // of a pointer
   // Where the hand on a board is, device frame: the scene is moved in the plane so that the trial
   // begins there. No value: the scene stays, and the pointer begins at its start.
   std::optional<Vec3> hand_m = {};
@@ -68,8 +69,8 @@ class PersonTrial {
     return publisher_->newest(rig_->session(), state, bodies);
   }
   std::uint64_t take_ticks(std::vector<TickSummary>& rows) { return publisher_->take_ticks(rows); }
-  // How often the pointer has been taken up.
-  std::uint32_t presses() const noexcept { return pointer_.presses(); }
+  // How often the hand was set back.
+  std::uint32_t clutches() const noexcept { return pointer_.clutch().uses(); }
   // The hand began inside an object, is free there, and has not left yet (StartInside).
   bool waits_inside() const;
   // Why the governor cut the force; no value: it did not.

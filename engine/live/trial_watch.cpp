@@ -5,8 +5,10 @@
 
 namespace palpate {
 
-TrialWatch::TrialWatch(const TrialClock* clock, double dt_s, double longest_lateness_s)
+TrialWatch::TrialWatch(const TrialClock* clock, double dt_s, double longest_lateness_s,
+                       const Clutch* clutch)
     : clock_(clock),
+      clutch_(clutch),
       lost_after_ticks_(static_cast<std::uint64_t>(std::llround(kLostAfter_s / dt_s))),
       longest_lateness_ns_(std::llround(longest_lateness_s * 1e9)),
       period_ns_(std::llround(dt_s * 1e9)) {}
@@ -29,6 +31,13 @@ void TrialWatch::judge_lateness(const TickRecord& record) noexcept {
   if (std::max(record.late_ns, left_out_ns_) > longest_lateness_ns_) end(TrialCut::kLateTick);
 }
 
+// Nothing is measured before the clock has started.
+void TrialWatch::judge_lifts() noexcept {
+  if (clutch_ == nullptr || clutch_->refused_lifts() == refused_lifts_) return;
+  refused_lifts_ = clutch_->refused_lifts();
+  if (clock_->has_started()) end(TrialCut::kLift);
+}
+
 void TrialWatch::on_tick(const TickRecord& record) noexcept {
   if (has_tripped_) {
     if ((record.rules & kRuleRelease) == 0) end(TrialCut::kTrip);
@@ -37,6 +46,7 @@ void TrialWatch::on_tick(const TickRecord& record) noexcept {
   judge_lateness(record);
   if (clock_ == nullptr) return;
   if (clock_->is_over()) end(TrialCut::kNone);
+  judge_lifts();
   if (!clock_->has_started() && record.contact == 0) return;
   if (clock_->is_on_way()) {
     ticks_off_ = 0;

@@ -5,13 +5,14 @@
 #include <atomic>
 #include <cstdint>
 
+#include "engine/live/clutch.h"
 #include "engine/session/haptic_session.h"
 #include "engine/trials/trial_clock.h"
 
 namespace palpate {
 
 // A trial of a person ends by itself for these reasons, besides those of its clock.
-enum class TrialCut : std::uint8_t { kNone, kLateTick, kTrip };
+enum class TrialCut : std::uint8_t { kNone, kLateTick, kTrip, kLift };
 
 // A trip ends the trial once the governor's rule *release* has let go of the hand: a session that
 // stopped at once would drop it. Behind the clock in the list of observers. on_tick() runs on the
@@ -26,7 +27,10 @@ class TrialWatch final : public TickObserver {
   // clock: must outlive this object; null: there is none, and nobody gets lost.
   // longest_lateness_s: a tick that begins later ends the trial, and so do ticks that together have
   // left out more time since the start of the clock: the clock counts ticks.
-  TrialWatch(const TrialClock* clock, double dt_s, double longest_lateness_s);
+  // clutch: of the hand, must outlive this object; null: there is none. A lift that it refuses ends
+  // the trial, once the clock has started.
+  TrialWatch(const TrialClock* clock, double dt_s, double longest_lateness_s,
+             const Clutch* clutch = nullptr);
 
   void on_tick(const TickRecord& record) noexcept override;
   void on_trip(const GovernorTrip& trip) noexcept override;
@@ -43,7 +47,11 @@ class TrialWatch final : public TickObserver {
   void end(TrialCut cut) noexcept;
   void judge_lateness(const TickRecord& record) noexcept;
 
+  void judge_lifts() noexcept;
+
   const TrialClock* clock_;
+  const Clutch* clutch_;
+  std::uint64_t refused_lifts_ = 0;  // that were judged
   bool has_tripped_ = false;
   std::uint64_t lost_after_ticks_;
   std::int64_t longest_lateness_ns_;

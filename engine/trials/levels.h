@@ -164,9 +164,10 @@ enum class CutReason : std::uint8_t {
   kFault,
   kServer,
   kExperimenter,
-  kParticipant
+  kParticipant,
+  kLift
 };
-inline constexpr ConditionLevels<CutReason, 11> kCutReasonLevels = {
+inline constexpr ConditionLevels<CutReason, 12> kCutReasonLevels = {
     {{"focus", "the page lost the focus", CutReason::kFocus},
      {"full_screen", "the page left full screen", CutReason::kFullScreen},
      {"pointer_lock", "the pointer was released", CutReason::kPointerLock},
@@ -177,7 +178,8 @@ inline constexpr ConditionLevels<CutReason, 11> kCutReasonLevels = {
      {"fault", "a fault of the engine", CutReason::kFault},
      {"server", "the program ended", CutReason::kServer},
      {"experimenter", "the experimenter asked for it", CutReason::kExperimenter},
-     {"participant", "the participant asked for it", CutReason::kParticipant}}};
+     {"participant", "the participant asked for it", CutReason::kParticipant},
+     {"lift", "pen or finger left the screen where the plan permits no clutch", CutReason::kLift}}};
 inline constexpr auto kCutReasonNames = names_of(kCutReasonLevels);
 
 static_assert(are_in_order(kHapticLevels) && are_in_order(kRotationLevels) &&

@@ -118,6 +118,15 @@ void read_about(ObjectReader& reader, LivePlan& live) {
   for (const std::size_t place : asked) live.about.emplace_back(kAboutNames[place]);
 }
 
+// A board's own place is what its limits, the governor and its workspace go by.
+void read_clutch(ObjectReader& reader, LivePlan& live) {
+  reader.flag("clutch", live.permits_clutch, Key::kOptional);
+  if (!reader.ok() || !live.permits_clutch || live.input == PlanInput::kPointer) return;
+  reader.fail(live_error(reader.element_of("clutch"),
+                         "is true with a board, whose place cannot be set back; expected false",
+                         "choose a scale at which the strokes fit the workspace"));
+}
+
 }  // namespace
 
 Result<LivePlan> read_live_plan(const Json& object, const std::string& element,
@@ -134,6 +143,7 @@ Result<LivePlan> read_live_plan(const Json& object, const std::string& element,
   reader.number("break_s", live.break_s, kBreakRange_s, Key::kOptional);
   read_about(reader, live);
   reader.flag("questionnaire", live.has_questionnaire, Key::kOptional);
+  read_clutch(reader, live);
   reader.flag("blind", live.is_blind, Key::kOptional);
   reader.number("longest_picture_s", live.longest_picture_s, kLongestPictureRange_s,
                 Key::kOptional);

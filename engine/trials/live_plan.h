@@ -55,6 +55,8 @@ inline constexpr NumberRange kLongestLatenessRange_s{0.0, 10.0, true};
 //   [about]      a list of names of kAboutNames; [none]
 //   [questionnaire]  the person rates each condition of a block (questionnaire_file.h); this needs
 //                the order williams, in which the trials of a condition follow each other; [false]
+//   [clutch]     the hand may be set back out of contact (engine/live/clutch.h); only with input
+//                mouse; [false]
 //   [blind]      the experimenter's page hides the condition; [false]
 //   [longest_picture_s]   a trial in which the page draws no picture for longer is aborted; [0.25]
 //   [longest_lateness_s]  so is one with a tick that begins later than this; [0.1]
@@ -68,6 +70,7 @@ struct LivePlan {
   double break_s = 30.0;
   std::vector<std::string> about;
   bool has_questionnaire = false;
+  bool permits_clutch = false;
   bool is_blind = false;
   double longest_picture_s = 0.25;
   double longest_lateness_s = 0.1;

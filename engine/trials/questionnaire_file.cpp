@@ -12,6 +12,7 @@ namespace {
 using Answer = CsvCells<QuestionnaireRow>;
 
 constexpr WholeRange kValues{0, 100};
+constexpr WholeRange kRatedBlocks{1, 1'000'000};  // practice is not rated
 
 // The item is read before.
 Cell<QuestionnaireRow> value_on_its_scale() {
@@ -36,6 +37,8 @@ CsvTable<QuestionnaireRow> make_questionnaire_table() {
   table.columns = {
       {"participant", "", "the person", "", Presence::kRequired,
        Answer::name(&QuestionnaireRow::participant)},
+      {"block", "", "the block, 1 for the first", "", Presence::kRequired,
+       Answer::whole(&QuestionnaireRow::block, kRatedBlocks)},
       {"haptic", "", "commanded force: " + meanings_of(kHapticLevels, " ", ", "), "",
        Presence::kRequired, Answer::level(&QuestionnaireRow::haptic, kHapticNames)},
       {"rotation", "", rotation_meaning(), "", Presence::kRequired,
@@ -54,7 +57,8 @@ CsvTable<QuestionnaireRow> make_questionnaire_table() {
   };
   table.noun = "answer";
   table.description = [](const QuestionnaireRow& row) {
-    return "participant " + row.participant + ", " + row.haptic + ", " + row.rotation + ", " +
+    return "participant " + row.participant + ", block " + std::to_string(row.block) + ", " +
+           row.haptic + ", " + row.rotation + ", " +
            std::string(kQuestionnaireItemNames[static_cast<std::size_t>(row.item)]);
   };
   table.key = table.description;

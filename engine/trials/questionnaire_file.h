@@ -1,7 +1,7 @@
 #pragma once
 
-// questionnaires.csv: what participants answered after each condition, which `palpate experiment
-// analyse` compares if the file lies beside the trials.
+// questionnaires.csv: what participants answered after each condition of a block, which `palpate
+// experiment analyse` compares if the file lies beside the trials.
 
 #include <cstdint>
 #include <string>
@@ -52,13 +52,14 @@ inline constexpr QuestionnaireScale scale_of(QuestionnaireItem item) {
 // One answer.
 struct QuestionnaireRow {
   std::string participant;
+  int block = 1;
   std::string haptic;    // a name of kHapticLevels
   std::string rotation;  // a name of kRotationLevels
   QuestionnaireItem item = QuestionnaireItem::kMental;
   int value = 0;  // of scale_of(item)
 };
 
-// The columns: participant, haptic, rotation, item, value.
+// The columns: participant, block, haptic, rotation, item, value.
 const CsvTable<QuestionnaireRow>& questionnaire_table();
 
 // Appends a row. Lines begin with names_in(questionnaire_table()).
@@ -69,7 +70,7 @@ std::string questionnaire_columns_csv();
 
 // Reads the answers of a text with exactly these columns. Errors, with the line and the column:
 // what read_trials() refuses of fields, a value that is not on the scale of its item, and a
-// question that a participant answered twice after a condition. path: for messages.
+// question that a participant answered twice after a condition of a block. path: for messages.
 Result<std::vector<QuestionnaireRow>> parse_questionnaires(std::string_view text,
                                                            const std::string& path);
 

@@ -160,7 +160,9 @@ Result<PointerMessage> decode_pointer(std::string_view bytes) {
                    "is " + std::to_string(version) + "; expected " + std::to_string(kViewVersion));
   }
   PointerMessage message;
-  message.holds = (number_at<std::uint32_t>(bytes, 4) & 1u) != 0;
+  const auto buttons = number_at<std::uint32_t>(bytes, 4);
+  message.holds = (buttons & 1u) != 0;
+  message.is_clutched = (buttons & 2u) != 0;
   message.sequence = number_at<std::uint64_t>(bytes, 8);
   if (message.sequence == 0) return refused("sequence", "is 0; expected a positive number");
   for (std::size_t k = 0; k < 3; ++k) {

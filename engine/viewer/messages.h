@@ -16,7 +16,8 @@
 //   group columns: time since the base s, contact angle deg (NaN without contact), depth m,
 //   commanded force N, full force N, step us, contact
 // pointer, from the page, 40 bytes:
-//   0 u16 kind 16, 2 u16 version, 4 u32 buttons, 8 u64 sequence, 16 f64[3] target (device frame, m)
+//   0 u16 kind 16, 2 u16 version, 4 u32 buttons (1: holds, 2: the clutch is pressed), 8 u64
+//   sequence, 16 f64[3] target (device frame, m)
 
 #include <array>
 #include <cstddef>
@@ -66,6 +67,7 @@ struct PointerMessage {
   bool holds = false;
   std::uint64_t sequence = 0;           // > 0
   std::array<double, 3> target_m = {};  // finite, device frame
+  bool is_clutched = false;             // the hand is set back; only `experiment live` uses it
 };
 
 // now_s: on a clock that runs while the server runs.

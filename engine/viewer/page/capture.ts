@@ -57,11 +57,29 @@ export async function lockPointer(): Promise<LockKind | null> {
   }
 }
 
-// Returns false if the browser refuses.
+export interface Way {
+  x: number; // as movementX and movementY
+  y: number;
+}
+let way: Way | null = null;
+
+// How far the window has moved backwards to fill the screen, once; null: not since the last call.
+export function takeWindowWay(): Way | null {
+  const taken = way;
+  way = null;
+  return taken;
+}
+
+// Returns false if the browser refuses. Waits until the window has its place, which Chromium does not.
 export async function fillScreen(): Promise<boolean> {
   if (fillsScreen()) return true;
+  const [x, y] = [screenX, screenY];
+  const isPlaced = new Promise((resolve) =>
+    document.addEventListener("fullscreenchange", resolve, { once: true }));
   try {
     await root().requestFullscreen({ navigationUI: "hide" });
+    await isPlaced;
+    if (screenX !== x || screenY !== y) way = { x: x - screenX, y: y - screenY };
     return true;
   } catch {
     return false;

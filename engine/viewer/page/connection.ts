@@ -139,10 +139,10 @@ export class Connection<Hello extends Greeting, Message extends { type: string }
   }
 
   // Sends the target of the hand; returns the sequence of the message, or 0 if not connected.
-  point(target_m: Vector3, isHeld: boolean): number {
+  point(target_m: Vector3, isHeld: boolean, isClutched = false): number {
     if (!this.isGreeted || !this.socket) return 0;
     const sequence = this.nextPointer++;
-    this.socket.send(encodePointer(sequence, target_m, isHeld));
+    this.socket.send(encodePointer(sequence, target_m, isHeld, isClutched));
     return sequence;
   }
 

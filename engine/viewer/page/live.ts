@@ -58,7 +58,7 @@ class LivePage {
       return new TrialView(element("trial"), this.words, {
         ask: (request) => this.ask(request),
         tell: (notice) => this.connection?.tell(notice),
-        point: (target_m, isHeld) => void this.connection?.point(target_m, isHeld),
+        point: (target_m, isHeld, isClutched) => void this.connection?.point(target_m, isHeld, isClutched),
         fetchScene: () => fetchScene("felt.glb", this.token),
         pause: () => void this.pause(),
         stop: () => this.askStop(),
@@ -144,6 +144,7 @@ class LivePage {
     this.screen = new Screen(element("screen"), step, {
       words: this.words,
       inputs: this.hello?.inputs ?? [],
+      clutchHint: () => this.trial?.clutchHint("instructions") ?? "",
       ask: (request) => this.ask(request),
       say: (problem) => this.say(problem),
       capture: async () => (await this.trial?.capture()) ?? false,

@@ -52,6 +52,7 @@ export interface LiveHello {
   direction: "ltr" | "rtl";
   words: Record<string, string>;
   display: { Hz: number; scale: number; sphere_radius_m: number; proxy_radius_m?: number };
+  clutch?: boolean; // the plan permits it; absent: it does not
   checked?: Checked | null; // of this participant, before a reload
   inputs: Input[];
   rate_Hz: number;

@@ -13,6 +13,7 @@ const kHands = ["left", "right", "both"] as const;
 export interface ScreenHost {
   words: Words;
   inputs: readonly Input[];
+  clutchHint(): string; // how the hand may be set back; "": there is nothing to say
   ask: Ask;
   say(problem: string): void;
   capture(): Promise<boolean>; // fills the screen and locks the pointer for trials
@@ -62,6 +63,7 @@ export class Screen {
       case "about": return this.about();
       case "questionnaire": return this.questionnaire();
       case "break": return this.pauseForRest();
+      case "instructions": return [...paragraphs(this.host.clutchHint()), ...this.next()];
       case "paused": return [this.buttons(this.goOnButton({ type: "go_on" }))];
       case "done":
       case "stopped":

@@ -242,13 +242,14 @@ export function decodeBinary(buffer: ArrayBuffer): BinaryMessage {
   throw new Error(`kind is ${kind}; expected ${kKindState} or ${kKindTicks}`);
 }
 
-// Encodes the target of the hand. isHeld false: the hand lets go.
-export function encodePointer(sequence: number, target_m: Vector3, isHeld: boolean): ArrayBuffer {
+// Encodes the target of the hand. isHeld false: the hand lets go. isClutched: the hand is set back
+// (`experiment live`).
+export function encodePointer(sequence: number, target_m: Vector3, isHeld: boolean, isClutched = false): ArrayBuffer {
   const buffer = new ArrayBuffer(kPointerBytes);
   const view = new DataView(buffer);
   view.setUint16(0, kKindPointer, true);
   view.setUint16(2, kVersion, true);
-  view.setUint32(4, isHeld ? 1 : 0, true);
+  view.setUint32(4, (isHeld ? 1 : 0) | (isClutched ? 2 : 0), true);
   view.setBigUint64(8, BigInt(sequence), true);
   target_m.forEach((value, axis) => view.setFloat64(16 + 8 * axis, value, true));
   return buffer;

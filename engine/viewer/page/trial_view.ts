@@ -20,7 +20,7 @@ export type TrialPhase = "none" | "loading" | "waiting" | "starting" | "running"
 export interface TrialHost {
   ask: Ask;
   tell(notice: LiveNotice): void;
-  point(target_m: Vector3, isHeld: boolean): void;
+  point(target_m: Vector3, isHeld: boolean, isClutched: boolean): void;
   fetchScene(): Promise<ArrayBuffer>;
   pause(): void;
   stop(): void;
@@ -70,6 +70,9 @@ export class TrialView {
       event.preventDefault();
       void this.endLearning();
     });
+    for (const type of ["keydown", "keyup"] as const) {
+      addEventListener(type, (event) => this.takeClutchKey(event));
+    }
     element.addEventListener("contextmenu", (event) => event.preventDefault()); // of a long press
   }
 
@@ -90,7 +93,20 @@ export class TrialView {
     this.display.change({
       Hz: hello.display.Hz, scale: hello.display.scale, proxyRadius_m: hello.display.proxy_radius_m ?? 0,
     });
+    this.sum.permitsClutch = hello.clutch ?? false;
     this.setChecked(checked);
+  }
+
+  // How the hand may be set back; "": there is nothing to say.
+  clutchHint(place: "instructions" | "bar"): string {
+    const isInBar = place === "bar";
+    if (this.sum.input === "board") return "";
+    if (this.sum.input !== "mouse") {
+      if (this.sum.permitsClutch) return this.words.get(isInBar ? "bar_lift_clutch" : "clutch_lift");
+      return this.words.get(isInBar ? "bar_lift" : "lift_ends");
+    }
+    if (!this.sum.permitsClutch) return "";
+    return this.words.get(isInBar ? "bar_clutch" : "clutch_mouse");
   }
 
   setChecked(checked: Checked | null): void {
@@ -268,6 +284,13 @@ export class TrialView {
     return this.phase === "running" && this.trial?.step === "learning";
   }
 
+  // The space bar, where a mouse may be set back; it presses no button meanwhile.
+  private takeClutchKey(event: KeyboardEvent): void {
+    if (event.key !== " " || this.phase !== "running" || !this.needsLock || !this.sum.permitsClutch) return;
+    event.preventDefault();
+    this.sum.setKey(event.type === "keydown");
+  }
+
   private async endLearning(): Promise<void> {
     if (!this.trial || this.learned === this.trial.number) return; // the key was pressed twice
     this.learned = this.trial.number;
@@ -282,7 +305,8 @@ export class TrialView {
     const [x, y, z] = this.trial.start_device_m;
     const metres = 1 / this.display.pixels_per_m;
     // Seen from above with A1 up, A2 points to the left.
-    this.host.point([x + metres * this.sum.up_px, y - metres * this.sum.right_px, z], this.sum.holds);
+    this.host.point([x + metres * this.sum.up_px, y - metres * this.sum.right_px, z], this.sum.holds,
+                    this.sum.isClutched);
   }
 
   private sendTimes(): void {
@@ -297,7 +321,8 @@ export class TrialView {
     ring.setAttribute("role", "status");
     const progress = make("span", "progress");
     if (this.needsLock) {
-      this.bar.replaceChildren(progress, make("span", "keys", this.words.get("trial_keys")), ring);
+      this.bar.replaceChildren(progress, make("span", "keys", this.words.get("trial_keys")),
+                               make("span", "clutch", this.clutchHint("bar")), ring);
       return;
     }
     const pause = makeButton(this.words.get("pause"), () => this.host.pause());
@@ -305,7 +330,7 @@ export class TrialView {
     const goOn = makeButton(this.words.get("go_on"), () => this.endLearning());
     goOn.classList.add("learned");
     goOn.hidden = true;
-    this.bar.replaceChildren(progress, ring, goOn, pause, stop);
+    this.bar.replaceChildren(progress, make("span", "clutch", this.clutchHint("bar")), ring, goOn, pause, stop);
   }
 
   private showProgress({ number, place, of, step }: Trial): void {

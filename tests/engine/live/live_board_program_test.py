@@ -82,7 +82,7 @@ class Holder(Participant):
                     self.hand = Grasp(led_to or message["green_m"])
             report = self.board.pull(*self.hand.target(self.record)[:2])
             now = time.monotonic()
-            if not told and not self.ring and report["last_force_ns"] != begun:
+            if not told and self.hand.inward and report["last_force_ns"] != begun:
                 told = True
                 if self.on_force(len(self.trials), self):
                     return

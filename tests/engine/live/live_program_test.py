@@ -90,6 +90,41 @@ def page_trial(participant):
     return participant.trials[-1]["number"]
 
 
+class ClutchUser(Participant):
+    """Sets the hand back at the beginning of the first trial, and presses in contact, which does nothing;
+    lifts a pen in contact in the second."""
+
+    BACK = (0.05, -0.02, 0.0)  # device frame, m
+
+    def __init__(self, address):
+        super().__init__(address, self.set_back)
+        self.offset = (0.0, 0.0, 0.0)
+        self.contacts = 0  # states in contact in this trial
+        self.aimed = None
+
+    def set_back(self, number, _):
+        self.offset = self.BACK if number == 1 else (0.0, 0.0, 0.0)
+        self.contacts = 0
+        if number == 1:
+            start = Record(self.page.newest_state()[1]).device
+            target = [a + b for a, b in zip(start, self.BACK)]
+            for place, buttons in ((start, 2), (start, 1), (start, 3), (target, 3), (target, 1)):
+                self.page.point(place, buttons)
+                while self.page.newest_state()[0] < self.page.sequence:
+                    pass
+            device = Record(self.page.newest_state()[1]).device
+            assert max(abs(a - b) for a, b in zip(device, start)) < 1e-15, (device, start)
+
+    def aim(self, record, target):
+        self.contacts += record.contact
+        is_second = len(self.trials) == 2
+        if self.contacts == 10 and record.contact and not is_second:
+            for buttons in (3, 1):
+                self.page.point(self.aimed, buttons)
+        self.aimed = [a + b for a, b in zip(target, self.offset)]
+        self.page.point(self.aimed, 2 if is_second and self.contacts > 10 else 1)
+
+
 class Tests:
     def __init__(self, program, models, kills):
         self.program, self.models, self.kills = program, models, kills
@@ -250,6 +285,22 @@ class Tests:
         print(f"pointer message to the state of the tick that used it: median "
               f"{1e3 * latencies[len(latencies) // 2]:.1f} ms, 99 % "
               f"{1e3 * latencies[int(0.99 * len(latencies))]:.1f} ms")
+
+    # The hand is set back out of contact only; each use is in the row; a lift in contact ends the trial.
+    def test_clutch(self):
+        plan = plan_with(self.models, blocks=2, practice_blocks=0, rotation=["NoR"])
+        plan["live"] = {**plan["live"], "clutch": True}
+        run = Program(self.program, self.write(plan), 1, self.folder / "out")
+        person = ClutchUser(run.participant)
+        assert person.page.hello["clutch"] is True
+        assert person.follow() == "done"
+        assert run.end()[0] == 0
+        rows = rows_of(self.folder / "out")
+        seen = [(row["status"], row["reason"], row["clutches"]) for row in rows]
+        assert seen == [("done", "", "2"), ("aborted", "lift", "0"), ("done", "", "0")], seen
+        self.judge_recordings(plan, [rows[0], rows[2]])
+        board = {**plan, "live": {**plan["live"], "input": "board"}}
+        self.refused(self.write(board), "/live/clutch: is true with a board")
 
     # A trial for which the disk has no space does not begin, and what has ended stays.
     def test_full_disk(self):
@@ -434,8 +485,9 @@ class Tests:
         assert all(e["answers"] == RATING for e in rated)
         with open(out / "questionnaires.csv", newline="") as file:
             rows = list(csv.DictReader(file))
-        expected = {("1", "NoH", r, item, str(v)) for r in ("NoR", "R") for item, v in RATING.items()}
-        assert {tuple(row.values()) for row in rows} == expected and len(rows) == 14, rows
+        expected = {("1", block, "NoH", r, item, str(v)) for block in ("1", "2") for r in ("NoR", "R")
+                    for item, v in RATING.items()}
+        assert {tuple(row.values()) for row in rows} == expected and len(rows) == 28, rows
         order = [row["rotation"] for row in rows_of(out) if row["participant"] == "1"]
         assert [e["rotation"] for e in rated] == order, "in the order of the conditions"
         done = self.run("forget", out, "1")

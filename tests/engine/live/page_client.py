@@ -76,10 +76,11 @@ class PageClient:
     def send(self, message):
         self._send_frame(TEXT, json.dumps(message).encode())
 
-    def point(self, target_m):
-        """Puts the device point there (device frame)."""
+    def point(self, target_m, buttons=1):
+        """Puts the device point there (device frame). buttons: 1: holds, 2: the clutch is pressed."""
         self.sequence += 1
-        self._send_frame(BINARY, struct.pack("<HHIQ3d", 16, self.hello["version"], 1, self.sequence, *target_m))
+        self._send_frame(BINARY, struct.pack("<HHIQ3d", 16, self.hello["version"], buttons, self.sequence,
+                                             *target_m))
 
     def read_frame(self):
         """Reads one frame, and keeps what it holds in texts or states."""

@@ -48,6 +48,9 @@ class Participant:
         self.on_trial = on_trial
         self.trials = []  # the messages of the trials that began
 
+    def aim(self, _record, target):
+        self.page.point(target)
+
     def follow(self, until=("done",)):
         """Up to one of these steps. Raises Closed when the server ends."""
         shown = self.page.hello["step"]
@@ -103,7 +106,8 @@ class Participant:
                     self.page.send({"type": "frames", "times_ms": [1000 * time.monotonic()]})
                     return
                 self.page.read_frame()
-            self.page.point(hand.target(Record(self.page.states[-1][STATE_BYTES:])))
+            record = Record(self.page.states[-1][STATE_BYTES:])
+            self.aim(record, hand.target(record))
             now = time.monotonic()
             if now - reported > REPORT_S:
                 self.page.send({"type": "frames", "times_ms": [1000 * now]})

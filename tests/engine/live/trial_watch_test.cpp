@@ -31,7 +31,8 @@ TrialWay straight_way() {
 class Watched {
  public:
   explicit Watched(double longest_lateness_s = 1.0)
-      : clock_(way_, TrialSettings{}, 0.0, kDt_s), watch_(&clock_, kDt_s, longest_lateness_s) {}
+      : clock_(way_, TrialSettings{}, 0.0, kDt_s),
+        watch_(&clock_, kDt_s, longest_lateness_s, &clutch_) {}
 
   // The hand is at x, 1 mm in the wall or 1 mm above it.
   void tick(double x_m, bool is_in_contact, std::int64_t late_ns = 0, std::uint32_t rules = 0) {
@@ -51,7 +52,18 @@ class Watched {
     for (int i = 0; i < count; ++i) tick(x_m, is_in_contact);
   }
 
+  // A pen leaves the screen; the clutch, which the plan does not permit, judges it.
+  void lift() {
+    Clutch::Presses presses;
+    presses.count = ++lifts_;
+    presses.is_lift = 1;
+    clutch_.take(presses);
+    clutch_.judge();
+  }
+
   TrialWay way_ = straight_way();
+  Clutch clutch_{false};
+  std::uint64_t lifts_ = 0;
   TrialClock clock_;
   TrialWatch watch_;
   std::uint64_t tick_ = 0;
@@ -126,6 +138,19 @@ TEST(TrialWatch, CutsATrialWithALateTickOrATrip) {
   tripped.tick(0.05, true, 0, kRuleTripped);
   EXPECT_TRUE(tripped.watch_.is_over());
   EXPECT_EQ(tripped.watch_.cut(), TrialCut::kTrip);
+}
+
+TEST(TrialWatch, CutsATrialInWhichAPenIsLiftedOnceTheClockHasStarted) {
+  Watched w;
+  w.ticks(10, 0.01, false);
+  w.lift();
+  w.ticks(10, 0.05, false);
+  w.ticks(10, 0.05, true);
+  EXPECT_FALSE(w.watch_.is_over()) << "nothing was measured yet";
+  w.lift();
+  w.tick(0.05, true);
+  EXPECT_TRUE(w.watch_.is_over());
+  EXPECT_EQ(w.watch_.cut(), TrialCut::kLift);
 }
 
 TEST(StartPlace, IsOutsideThePaperObjectsBesideTheGreenSphere) {

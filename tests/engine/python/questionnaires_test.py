@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+from fractions import Fraction
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,8 @@ from palpate.analysis.statistics import friedman, signed_rank
 HERE = Path(__file__).resolve().parent / "r"
 R: dict[str, Any] = json.loads((HERE / "questionnaires.json").read_text())
 RELATIVE = 1e-9
-HEADER = "participant,haptic,rotation,item,value\n"
-GOOD = HEADER + "1,NoH,R,tlx_effort,45\n1,NoH,R,real,7\n2,NoH,R,tlx_effort,100\n"
+HEADER = "participant,block,haptic,rotation,item,value\n"
+GOOD = HEADER + "1,1,NoH,R,tlx_effort,45\n1,1,NoH,R,real,7\n2,1,NoH,R,tlx_effort,100\n"
 
 
 @pytest.fixture(scope="module")
@@ -130,6 +131,31 @@ def test_friedman_agrees_with_its_definition() -> None:
     assert found.kendall_w == pytest.approx(chi2 / 8.0)
 
 
+def test_blocks_are_averaged_without_rounding(tmp_path: Path) -> None:
+    """Means over two or three blocks, of which a rounded one would part equal differences: W+ of exact
+    fractions."""
+    rng = np.random.default_rng(52)  # the seed
+    means: dict[str, list[Fraction]] = {"NoR": [], "R": []}
+    lines = []
+    for person in range(40):
+        blocks = range(1, 3 + person % 2)
+        for rotation, of_people in means.items():
+            values = rng.integers(1, 8, len(blocks)).tolist()
+            of_people.append(Fraction(sum(values), len(values)))
+            lines += [f"{person},{block},H,{rotation},real,{value}\n"
+                      for block, value in zip(blocks, values)]
+    (tmp_path / "q.csv").write_text(HEADER + "".join(lines))
+    [compared] = compare(read_questionnaires(tmp_path / "q.csv"), "q.csv").compared
+    d = [after - before for before, after in zip(means["NoR"], means["R"]) if after != before]
+    ranks = [sum(abs(x) < abs(of) for x in d) + Fraction(sum(abs(x) == abs(of) for x in d) + 1, 2)
+             for of in d]
+    assert len(set(ranks)) < len(d) - 10  # ties
+    [(_, _, test, _)] = compared.pairs
+    assert test.unequal == len(d)
+    assert test.w == float(sum(rank for rank, x in zip(ranks, d) if x > 0))
+    assert compared.values == pytest.approx(np.array([means["NoR"], means["R"]], dtype=float).T)
+
+
 # --- The file
 
 def refusal(text: str, folder: Path) -> str:
@@ -161,21 +187,22 @@ def test_answers_are_read(tmp_path: Path) -> None:
     ("45", "", 'line 2, column value: is ""; expected a whole number from 0 to 100'),
     ("real", "Real", 'line 3, column item: is "Real"; expected tlx_mental, tlx_physical, '
                      "tlx_temporal, tlx_performance, tlx_effort, tlx_frustration or real"),
+    ("1,1,NoH", "1,0,NoH", 'line 2, column block: is "0"; expected a whole number from 1 to 1000000'),
     ("1,NoH", "1,UaR", 'line 2, column haptic: is "UaR"; expected NoH, UaH or H'),
-    ("2,NoH", "1,NoH", "line 4: has participant, haptic, rotation, item 1 NoH R tlx_effort again; "
+    ("2,1,NoH", "1,1,NoH", "line 4: has participant, block, haptic, rotation, item 1 1 NoH R tlx_effort again; "
                        "expected each once (remove one of the lines)"),
-    (",value", ",answer", "line 1: has other columns; expected participant,haptic,rotation,item,"
+    (",value", ",answer", "line 1: has other columns; expected participant,block,haptic,rotation,item,"
                           "value"),
-    (",7\n", "\n", "line 3: has 4 fields; expected 5, as in the first line"),
+    (",7\n", "\n", "line 3: has 5 fields; expected 6, as in the first line"),
     (GOOD, HEADER, "has no row; expected a line for each row below the first line"),
-    (GOOD, "", "line 1: has other columns; expected participant,haptic,rotation,item,value"),
+    (GOOD, "", "line 1: has other columns; expected participant,block,haptic,rotation,item,value"),
 ])
 def test_a_broken_file_is_refused(tmp_path: Path, old: str, new: str, problem: str) -> None:
     assert refusal(GOOD.replace(old, new, 1), tmp_path) == f"q.csv: {problem}"
 
 
 def test_too_many_participants_are_refused(tmp_path: Path) -> None:
-    lines = [f"{n},NoH,R,real,4\n" for n in range(MOST_PARTICIPANTS + 1)]
+    lines = [f"{n},1,NoH,R,real,4\n" for n in range(MOST_PARTICIPANTS + 1)]
     assert "expected at most 200" in refusal(HEADER + "".join(lines), tmp_path)
 
 
@@ -196,7 +223,7 @@ def test_the_page_and_the_terminal_show_them(report: Report) -> None:
                  "<h4>how real</h4>", "Pairs of the six scales", "H, R - NoH, NoR"):
         assert text in shown, text
     [line] = [line for line in report.text.splitlines() if "raw TLX" in line]
-    assert line == ("questionnaires of 12 people: raw TLX, Friedman chi2(5) = 28.4, p < 0.001, n 10")
+    assert line == ("questionnaires of 12 people: raw TLX, Friedman chi2(5) = 41.6, p < 0.001, n 10")
     assert table_of(report.files["rating_tests.csv"])[0] == TEST_COLUMNS
 
 

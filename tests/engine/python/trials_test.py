@@ -123,7 +123,7 @@ def test_the_status_is_read_before_the_measures_in_any_order_of_columns() -> Non
 LIVE = ("participant,block,haptic,rotation,object,status,pilot,input,motion,reason,returns_shown,"
         "clutches,pictures,longest_picture_s,css_px_per_mm\n")
 REASONS = ("focus, full_screen, pointer_lock, hidden, late_ticks, late_frames, trip, fault, server, "
-           "experimenter or participant")
+           "experimenter, participant or lift")
 OTHER = " (rename the column if it has another meaning)"
 
 

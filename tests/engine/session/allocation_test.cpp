@@ -646,20 +646,20 @@ TEST(SilentTrial, FollowsThePointerAndFindsWhoIsLostWithoutAllocating) {
   setup.haptics.a4.enabled = true;
   const auto start_m = start_place_m(scene.scene, scene.way, plan->trial.sphere_radius_m);
   ASSERT_TRUE(start_m);
-  PointedDevice pointer(setup.device, setup.haptics.initial_pose.point(*start_m));
+  PointedDevice pointer(setup.device, setup.haptics.initial_pose.point(*start_m), true);
   auto loop = test::made(HapticLoop::create(scene.scene.world(), setup.actuation, setup.haptics));
   TrialClock clock(scene.way, plan->trial, 0.0, 1e-3);
-  TrialWatch watch(&clock, 1e-3, 1.0);
+  TrialWatch watch(&clock, 1e-3, 1.0, &pointer.clutch());
   StatePublisher publisher(loop, &pointer, 0);
-  HapticSession session(loop, pointer,
-                        {.observers = {&clock, &watch, &publisher}, .takes_motors = false});
+  HapticSession session(
+      loop, pointer, {.observers = {&pointer, &clock, &watch, &publisher}, .takes_motors = false});
   session.start();
   test::Random random(4);
   for (std::uint64_t n = 1; n < 4000; ++n) {
     // Through the green sphere into the wall, and after a second away from it.
     const Vec3 target = setup.haptics.initial_pose.point(scene.way.green_m) +
                         random.in_box(n < 1000 ? 0.005 : 0.0) + Vec3(n < 1000 ? 0.0 : 1.0, 0, 0);
-    pointer.point({n % 100 != 0, n, {target.x(), target.y(), target.z()}});
+    pointer.point({n % 100 != 0, n, {target.x(), target.y(), target.z()}, n % 50 < 10});
     Census census;
     session.tick(1e-3);
     census.stop();

@@ -755,7 +755,7 @@ TEST(BrokenInputs, ATableOfLiveTrialsIsRefusedByLineAndColumn) {
   const std::string hint = " (rename the column if it has another meaning)";
   const std::string reasons =
       "focus, full_screen, pointer_lock, hidden, late_ticks, late_frames, trip, fault, server, "
-      "experimenter or participant";
+      "experimenter, participant or lift";
   const std::vector<std::array<std::string, 2>> broken = {
       {"done,2,mouse,unknown,,0,0,9,0.1,4",
        "column pilot: is \"2\"; expected a whole number from 0 to 1" + hint},

@@ -5,10 +5,14 @@ run_in_node.py types PROJECT BUILD              checks the types of the page
 run_in_node.py logic PROJECT BUILD TEST.ts      bundles the test with the page, and runs it
 run_in_node.py browser PROJECT BUILD TEST.mjs [PROGRAM...]
                                                 runs a test that opens the page in Chromium
+run_in_node.py desktop PROJECT BUILD TEST.mjs [PROGRAM...]
+                                                the same, in a window of a desktop (Xvfb)
 run_in_node.py pictures PROJECT BUILD FOLDER PROGRAM
                                                 makes the pictures of the README in the folder
 run_in_node.py frames PROJECT BUILD FOLDER PROGRAM WRITE_MESH
                                                 measures frames; writes FOLDER/frames.json
+run_in_node.py pointer PROJECT BUILD FOLDER PROGRAM
+                                                measures the way of a motion; writes FOLDER/pointer.json
 
 Is not run where Node, the packages, the bundled page or Chromium is missing: setup.sh fetches them for
 `./run.sh view` and for .ci/run.
@@ -45,6 +49,12 @@ def logic(node, work, test):
         return failed or run(node, "--test", bundle)
 
 
+def need_desktop():
+    """What desktop.mjs starts."""
+    for program, package in (("Xvfb", "xvfb"), ("evilwm", "evilwm"), ("xdotool", "xdotool")):
+        need(shutil.which(program), f"{program}: apt-get install {package}")
+
+
 def browser(node, project, build, script, programs, is_test=True):
     chromium = need_browser()
     packages = require(project / "build/browser_packages/node_modules/playwright-core", "the driver of a browser")
@@ -66,9 +76,12 @@ def main():
     node = shutil.which("node")
     need(node, "Node, which ./run.sh view installs")
     work = build / "page_build"
-    if kind == "browser":
+    if kind in ("desktop", "pointer"):
+        need_desktop()
+    if kind in ("browser", "desktop"):
         return browser(node, project, build, rest[0], rest[1:])
-    scripts = {"pictures": "make_pictures.mjs", "frames": "measure_frames.mjs"}
+    scripts = {"pictures": "make_pictures.mjs", "frames": "measure_frames.mjs",
+               "pointer": "measure_pointer.mjs"}
     if kind in scripts:
         os.environ["PALPATE_FOLDER"] = rest[0]
         script = pathlib.Path(__file__).resolve().parent / "browser" / scripts[kind]

@@ -14,13 +14,15 @@ conditions <- expand.grid(rotation = c("NoR", "R"), haptic = c("NoH", "UaH", "H"
 people <- as.character(1:12)
 tlx <- c("tlx_mental", "tlx_physical", "tlx_temporal", "tlx_performance", "tlx_effort", "tlx_frustration")
 
-# participants x conditions: sums of the items, NA if one is missing.
+# participants x conditions: sums of the items, each a mean over the blocks, NA if one is missing. Means of two
+# blocks are halves, so that nothing is rounded.
 sums <- function(items) {
   sapply(seq_len(nrow(conditions)), function(i) {
     at <- all[all$haptic == conditions$haptic[i] & all$rotation == conditions$rotation[i] & all$item %in% items, ]
     vapply(people, function(p) {
       values <- at$value[at$participant == p]
-      if (length(values) == length(items)) sum(values) else NA_real_
+      over_blocks <- tapply(values, at$item[at$participant == p], mean)
+      if (length(over_blocks) == length(items)) sum(over_blocks) else NA_real_
     }, 0)
   })
 }

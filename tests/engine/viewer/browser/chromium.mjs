@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { pathToFileURL } from "node:url";
 
-const driver = await import(pathToFileURL(join(process.env.PALPATE_DRIVER, "index.mjs")));
+export const driver = await import(pathToFileURL(join(process.env.PALPATE_DRIVER, "index.mjs")));
 
 export const kProject = process.env.PALPATE_PROJECT;
 export const kPrograms = process.env.PALPATE_PROGRAMS.split(":");
@@ -18,7 +18,7 @@ const kContrast = 4.5; // of texts, at least
 export const kStep_ms = 240_000; // only ends a test that hangs
 
 // All flags of Chromium: software drawing, and no name is resolved but loopback.
-const kFlags = [
+export const kFlags = [
   "--no-sandbox",
   "--use-gl=angle",
   "--use-angle=swiftshader",
@@ -172,6 +172,14 @@ const children = new Set();
 process.once("exit", () => children.forEach((child) => child.kill("SIGKILL")));
 for (const signal of ["SIGINT", "SIGTERM"]) process.once(signal, () => process.exit(1));
 
+// Starts a program that ends with the test.
+export function startChild(program, args, options) {
+  const child = spawn(program, args, options);
+  children.add(child);
+  child.once("exit", () => children.delete(child));
+  return child;
+}
+
 // Ends the browser, and the programs of a test that failed before it stopped them: a file of tests ends only
 // when nothing of it runs.
 export async function closeAll(browser) {
@@ -182,9 +190,7 @@ export async function closeAll(browser) {
 // A program that prints the address of a page in a line, or so many. ask(command) sends a line and waits
 // for the next one.
 export async function startProgram(program, args, count = 1) {
-  const child = spawn(program, args, { stdio: ["pipe", "pipe", "inherit"] });
-  children.add(child);
-  child.once("exit", () => children.delete(child));
+  const child = startChild(program, args, { stdio: ["pipe", "pipe", "inherit"] });
   const lines = createInterface({ input: child.stdout })[Symbol.asyncIterator]();
   const addresses = [];
   while (addresses.length < count) {

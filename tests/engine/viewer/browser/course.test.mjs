@@ -415,6 +415,42 @@ test("a board moves without the pointer, and its participant can pause", async (
   } });
 });
 
+async function untilClutched(fake, isClutched) {
+  for (let i = 0; fake.pointers.at(-1)?.isClutched !== isClutched; ++i) {
+    assert.ok(i < 1500);
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+}
+
+test("space bar and left button are the clutch of a mouse where the plan permits it, and end no trial", async () => {
+  await withTrial(async (page, fake) => {
+    await untilClutched(fake, false);
+    await page.locator(".bar .clutch").filter({ hasText: "space bar" }).waitFor();
+    await page.keyboard.down(" ");
+    await untilClutched(fake, true);
+    assert.ok(fake.pointers.at(-1).holds);
+    await page.keyboard.up(" ");
+    await untilClutched(fake, false);
+    await page.mouse.down();
+    await untilClutched(fake, true);
+    await page.mouse.up();
+    await untilClutched(fake, false);
+    assert.equal(await page.evaluate(() => window.palpate.phase()), "running");
+    fake.sendStep({ step: "instructions" });
+    await untilStep(page, "instructions");
+    await page.locator("#screen").filter({ hasText: "set the mouse back" }).waitFor();
+    assert.deepEqual(await faultsOf(page), []);
+  }, { change: (fake) => (fake.hello.clutch = true) });
+  await withTrial(async (page, fake) => {
+    await page.keyboard.down(" ");
+    await page.mouse.down();
+    await fake.next(ofType("frames"));
+    await page.mouse.up();
+    assert.ok(fake.pointers.length > 0 && !fake.pointers.some((one) => one.isClutched));
+    assert.equal(await page.locator(".bar .clutch").textContent(), "");
+  });
+});
+
 test("a finger moves the device as far as it moves itself, and each press is one hold", async () => {
   await withTrial(async (page, fake) => {
     const client = await page.context().newCDPSession(page);
@@ -426,12 +462,15 @@ test("a finger moves the device as far as it moves itself, and each press is one
         await new Promise((resolve) => setTimeout(resolve, 20));
       }
     };
+    await page.locator(".bar .clutch").filter({ hasText: "Do not lift" }).waitFor();
+    assert.ok(!fake.pointers.some((one) => one.isClutched), "before the first press");
     await touch("touchStart", [300, 300]);
     await touch("touchMove", [330, 280]);
     await untilTarget(fake, 30, 20, 5);
-    assert.ok(fake.pointers.at(-1).holds);
+    assert.ok(fake.pointers.at(-1).holds && !fake.pointers.at(-1).isClutched);
     await touch("touchEnd");
     await untilFree();
+    assert.ok(fake.pointers.at(-1).isClutched, "a lift is a clutch");
     await page.evaluate(() => addEventListener("pointerdown", ({ pointerId }) => (window.pressed = pointerId)));
     await touch("touchStart", [600, 100]);
     await touch("touchMove", [605, 100]);

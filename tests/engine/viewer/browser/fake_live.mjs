@@ -73,7 +73,7 @@ export class FakeLive {
     step: { ...kStep, step: "information", title: "Information", text: "A text." },
   };
   messages = []; // JSON that the page has sent, newest last
-  pointers = []; // {sequence, holds, target_m}
+  pointers = []; // {sequence, holds, isClutched, target_m}
   scenes = 0; // how often /felt.glb was fetched with the token
   refusal = null; // why the next request is refused
   #sockets = new Set();
@@ -185,6 +185,7 @@ export class FakeLive {
   #receivePointer(bytes) {
     this.pointers.push({
       sequence: Number(bytes.readBigUInt64LE(8)), holds: (bytes.readUInt32LE(4) & 1) !== 0,
+      isClutched: (bytes.readUInt32LE(4) & 2) !== 0,
       target_m: [16, 24, 32].map((at) => bytes.readDoubleLE(at)),
     });
   }

@@ -3,6 +3,7 @@ weights, and how real the contacts felt. Ratings are compared by ranks (statisti
 
 from __future__ import annotations
 
+import math
 import os
 import pathlib
 from dataclasses import dataclass, replace
@@ -21,7 +22,8 @@ from palpate.analysis.tables import Column
 from .experiments import HAPTIC, ROTATION, natural
 
 FILE = "questionnaires.csv"  # beside the file of trials
-KEY = ("participant", "haptic", "rotation", "item")
+KEY = ("participant", "haptic", "rotation", "item")  # of a rating; a file has one for each block
+ROW = ("participant", "block", *KEY[1:])
 # The time and memory of the exact tests grow with the third power of this number.
 MOST_PARTICIPANTS = 200
 
@@ -73,12 +75,12 @@ def columns() -> list[Column]:
 
 def read_questionnaires(path: str | os.PathLike[str]) -> pd.DataFrame:
     """Read a questionnaires.csv, strictly: a row for each answer, with the columns participant,
-    haptic, rotation, item (str) and value (int64).
+    haptic, rotation, item (str), block and value (int64).
 
     Raises InputError with the file, the line and the column for other columns, a value that its item
     does not permit, a repeated answer, and for more than MOST_PARTICIPANTS.
     """
-    rows = measured.read_rows(pathlib.Path(path), columns(), KEY)
+    rows = measured.read_rows(pathlib.Path(path), columns(), ROW)
     for line, (item, value) in enumerate(zip(rows["item"], rows["value"]), start=2):
         expected = _expected(item)
         if value not in expected:
@@ -99,27 +101,36 @@ def _expected(item: str) -> range:
 
 
 def compare(rows: pd.DataFrame, file: str) -> Questionnaires:
-    """rows: of read_questionnaires()."""
+    """rows: of read_questionnaires(). The answers of a participant in several blocks are averaged."""
     people = sorted(set(rows["participant"]), key=natural)
     there = set(zip(rows["haptic"], rows["rotation"]))
     conditions = [each for each in product(HAPTIC, ROTATION) if each in there]
-    answers = rows.set_index(list(KEY))["value"].astype(float)
+    answers, unit = _over_blocks(rows)
     compared = []
     for rating in RATINGS:
         keys = [(p, *c, i) for p, c, i in product(people, conditions, rating.items)]
         index = pd.MultiIndex.from_tuples(keys, names=KEY)
         table = answers.reindex(index).to_numpy().reshape(len(people), len(conditions), -1)
         if not np.isnan(sums := table.sum(axis=2)).all():
-            compared.append(_compared(rating, conditions, sums))
+            compared.append(_compared(rating, conditions, sums, unit))
     return Questionnaires(file, len(people), compared)
 
 
-def _compared(rating: Rating, conditions: list[tuple[str, str]], sums: Array) -> Compared:
-    """sums: of the items. Unlike their means, they have no rounding, which could part ties."""
+def _over_blocks(rows: pd.DataFrame) -> tuple[pd.Series[float], int]:
+    """Means over the blocks that a participant rated, by KEY, times a whole number, the second value.
+    All products are whole: means have a rounding, which could part ties."""
+    groups = rows.groupby(list(KEY))["value"]
+    count = groups.count()
+    unit = math.lcm(*(int(n) for n in count.unique()))
+    return (groups.sum() * (unit // count)).astype(float), unit
+
+
+def _compared(rating: Rating, conditions: list[tuple[str, str]], sums: Array, unit: int) -> Compared:
+    """sums: of the items, times the unit. Unlike their means, they have no rounding."""
     places = list(combinations(range(len(conditions)), 2))
     tests = [signed_rank(sums[:, j], sums[:, i]) for i, j in places]
     p_holm = holm([test.p for test in tests])
-    n = len(rating.items)
+    n = len(rating.items) * unit
     pairs = [(conditions[i], conditions[j],
               replace(test, difference=test.difference / n, low=test.low / n, high=test.high / n),
               float(p))
