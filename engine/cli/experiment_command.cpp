@@ -345,11 +345,11 @@ void add_analyse(CLI::App& experiment, ExperimentAnalyseRequest& request) {
       "analysed separately, and compared in\ndifferences.csv. Questionnaires are analysed, too, if "
       "the file questionnaires.csv lies beside TRIALS; its\ncolumns are participant, block, "
       "haptic, rotation, item and value. The answers of\nseveral blocks are averaged.\n\n"
-      "A file of people needs the columns participant, block, haptic (NoH, UaH, H), rotation "
-      "(NoR, R),\nobject, status (done, timeout, fault, aborted, skipped), total_time_s, "
-      "losses_of_contact and\nmean_penetration_m or mean_penetration_dm; mean_contact_angle_deg is "
-      "optional. Of several attempts\nat a trial the last completed one counts. Rows with pilot 1 "
-      "are left out.\n");
+      "A file of people needs the columns participant, block, haptic (NoH, UaH, H; or NoH, "
+      "seen-UaH,\nseen-H), rotation (NoR, R), object, status (done, timeout, fault, aborted, "
+      "skipped), total_time_s,\nlosses_of_contact and mean_penetration_m or mean_penetration_dm; "
+      "mean_contact_angle_deg is optional.\nOf several attempts at a trial the last completed one "
+      "counts. Rows with pilot 1 are left out.\n");
   app.add_option("TRIALS", request.file,
                  "file of trials, as `experiment run` writes it (trials.csv)")
       ->required();

@@ -9,6 +9,7 @@
 #include "engine/accuracy/surface_couplings.h"
 #include "engine/cli/command_help.h"
 #include "engine/cli/command_output.h"
+#include "engine/cli/grip_check.h"
 #include "engine/cli/number_option.h"
 #include "engine/cli/open_device.h"
 #include "engine/cli/page_server.h"
@@ -67,7 +68,7 @@ std::optional<Error> take_board(const DeviceDescription& board, ExperimentPlan& 
                                             " axes; expected 2: a trial lies in a plane");
   }
   for (std::size_t i = 0; i < plan.haptic.size(); ++i) {
-    const bool is_full = kHapticLevels[plan.haptic[i]].value == ForceMode::kFull;
+    const bool is_full = kHapticLevels[plan.haptic[i]].value == Haptic::kFull;
     if (!is_full || board.motor_count == kPlane) continue;
     return Error{ErrorCode::kInvalidContent, plan.path, "/haptic/" + std::to_string(i),
                  "is H, which a device with one motor cannot render; expected NoH or UaH",
@@ -124,6 +125,11 @@ int run_person(ExperimentPlan plan, const ExperimentLiveRequest& request) {
     settings.without_realtime = request.without_realtime;
     settings.check_scenes = [&](const std::vector<ExperimentScene>& scenes) {
       return check_stiffness(plan, *device, scenes);
+    };
+  }
+  if (plan.live->grip) {
+    settings.check_scenes = [&](const std::vector<ExperimentScene>& scenes) {
+      return check_grip(plan, scenes);
     };
   }
   const SignalPhaseScope in_order(SignalPhase::kInOrder);

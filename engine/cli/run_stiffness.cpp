@@ -23,14 +23,6 @@ std::string rounded_down(double stiffness_N_per_m) {
   return text.str();
 }
 
-// In a relief, a surface is stiffest where the hand presses deepest: at the peak force F, which it
-// reaches at the depth F / K.
-double stiffest_N_per_m(const SurfaceCoupling& surface, double peak_force_N) {
-  const double stiffness_N_per_m = surface.coupling.stiffness_N_per_m;
-  if (stiffness_N_per_m <= 0.0 || surface.relief_per_m == 0.0) return stiffness_N_per_m;
-  return surface.effective_stiffness_N_per_m(peak_force_N / stiffness_N_per_m);
-}
-
 // Further beyond its zones.
 bool is_worse(const JudgedStiffness& a, const JudgedStiffness& b) {
   if (a.zone() != b.zone()) return a.zone() > b.zone();
@@ -67,6 +59,14 @@ Error too_stiff(const WorstSurface& worst) {
 }
 
 }  // namespace
+
+// In a relief, a surface is stiffest where the hand presses deepest: at the peak force F, which it
+// reaches at the depth F / K.
+double stiffest_N_per_m(const SurfaceCoupling& surface, double peak_force_N) {
+  const double stiffness_N_per_m = surface.coupling.stiffness_N_per_m;
+  if (stiffness_N_per_m <= 0.0 || surface.relief_per_m == 0.0) return stiffness_N_per_m;
+  return surface.effective_stiffness_N_per_m(peak_force_N / stiffness_N_per_m);
+}
 
 double WorstSurface::fitting_N_per_m() const {
   return std::max(0.0, judged.zones.calm_N_per_m - relief_N_per_m);

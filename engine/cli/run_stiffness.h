@@ -45,6 +45,8 @@ struct WorstSurface {
 // Errors: those of stiffness_zones().
 Result<WorstSurface> worst_surface(const std::vector<SurfaceCoupling>& couplings,
                                    const JudgedLoop& loop);
+// The largest stiffness of a surface that is pressed with at most this force, with its relief.
+double stiffest_N_per_m(const SurfaceCoupling& surface, double peak_force_N);
 // "is 2000 N/m; expected at most 1140 N/m: no damping that ..."
 std::string too_stiff_text(const WorstSurface& worst);
 

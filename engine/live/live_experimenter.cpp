@@ -109,19 +109,20 @@ void LiveRun::tell_status() {
   const Json status = experimenter_status();
   pages_.set_status(kExperimenterPage, status);
   const LivePlan& live = *plan_.live;
-  pages_.set_hello(kExperimenterPage, {{"type", "hello"},
-                                       {"role", "experimenter"},
-                                       {"version", kViewVersion},
-                                       {"engine", engine_version()},
-                                       {"plan", plan_.name},
-                                       {"participant", settings_.participant},
-                                       {"pilot", settings_.is_pilot},
-                                       {"blind", live.is_blind},
-                                       {"has_force", settings_.board != nullptr},
-                                       {"display", display_json()},
-                                       {"rate_Hz", plan_.device.rate_Hz},
-                                       {"trial", live.is_blind ? Json() : shown_trial_},
-                                       {"status", status}});
+  pages_.set_hello(kExperimenterPage,
+                   {{"type", "hello"},
+                    {"role", "experimenter"},
+                    {"version", kViewVersion},
+                    {"engine", engine_version()},
+                    {"plan", plan_.name},
+                    {"participant", settings_.participant},
+                    {"pilot", settings_.is_pilot},
+                    {"blind", live.is_blind},
+                    {"has_force", settings_.board != nullptr || plan_.live->grip},
+                    {"display", display_json()},
+                    {"rate_Hz", plan_.device.rate_Hz},
+                    {"trial", live.is_blind ? Json() : shown_trial_},
+                    {"status", status}});
 }
 
 }  // namespace palpate

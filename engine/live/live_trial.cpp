@@ -81,10 +81,11 @@ struct LiveRun::Trial {
 
 PersonTrialSettings LiveRun::trial_settings(const PlannedTrial& planned) const {
   PersonTrialSettings settings;
-  settings.force = kHapticLevels[planned.condition.haptic].value;
+  settings.force = force_of(kHapticLevels[planned.condition.haptic].value);
   settings.a4 = kRotationLevels[planned.condition.rotation].value;
   settings.trial = plan_.trial;
   settings.longest_lateness_s = plan_.live->longest_lateness_s;
+  settings.grip = plan_.live->grip;
   settings.permits_clutch = plan_.live->permits_clutch;
   settings.cpu = settings_.cpu;
   settings.has_guard = settings_.has_guard;

@@ -24,6 +24,9 @@ Result<std::unique_ptr<PersonTrial>> PersonTrial::create(const ExperimentScene& 
                                                          GuardableDevice* board) {
   const RunSetup setup = setup_of(scene, start_scene_m, settings);
   if (auto error = check_setup(scene.scene, setup)) return *error;
+  if (settings.grip) {
+    if (auto error = check_plant(led_plant(setup, *settings.grip), setup.dt_s)) return *error;
+  }
   const Vec3 start_m = setup.haptics.initial_pose.point(start_scene_m);
   std::unique_ptr<PersonTrial> trial(new PersonTrial(scene, setup, start_m, settings));
   if (auto error = trial->make_rig(scene.scene, setup, settings, board)) return *error;
@@ -37,7 +40,9 @@ PersonTrial::PersonTrial(const ExperimentScene& scene, const RunSetup& setup,
                  ? std::make_unique<TrialClock>(scene.way, settings.trial,
                                                 setup.haptics.god_object.radius_m, setup.dt_s)
                  : nullptr),
-      watch_(clock_.get(), setup.dt_s, settings.longest_lateness_s, &pointer_.clutch()) {}
+      watch_(clock_.get(), setup.dt_s, settings.longest_lateness_s, &pointer_.clutch()) {
+  if (settings.grip) led_.emplace(pointer_, setup, *settings.grip, start_device_m);
+}
 
 std::optional<Error> PersonTrial::make_rig(const Scene& scene, const RunSetup& setup,
                                            const PersonTrialSettings& settings,
@@ -46,7 +51,8 @@ std::optional<Error> PersonTrial::make_rig(const Scene& scene, const RunSetup& s
   if (clock_) observers.push_back(clock_.get());
   observers.push_back(&watch_);
   is_on_board_ = board != nullptr;
-  Device& device = board == nullptr ? static_cast<Device&>(pointer_) : *board;
+  Device& pointed = led_ ? static_cast<Device&>(led_->device()) : pointer_;
+  Device& device = board == nullptr ? pointed : *board;
   auto rig = Rig::create(scene, setup, device,
                          {.observers = observers,
                           .sink = settings.sink,

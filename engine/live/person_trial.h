@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/devices/guardable_device.h"
+#include "engine/live/led_hand.h"
 #include "engine/live/pointed_device.h"
 #include "engine/live/trial_watch.h"
 #include "engine/rig/rig.h"
@@ -29,6 +30,8 @@ struct PersonTrialSettings {
   // Where the hand on a board is, device frame: the scene is moved in the plane so that the trial
   // begins there. No value: the scene stays, and the pointer begins at its start.
   std::optional<Vec3> hand_m = {};
+  // Of a pointer: it leads a simulated hand (LedHand). No value: it moves the device point itself.
+  std::optional<HandImpedance> grip = {};
   std::optional<int> cpu = {};    // see HapticThreadSettings
   bool has_guard = true;          // of a board: see GuardedRunSettings
   bool without_realtime = false;  // as well
@@ -42,7 +45,7 @@ class PersonTrial {
  public:
   // scene: must outlive this object. start_scene_m: where the device point of a pointer is at
   // first. board: the device that the person holds, which must outlive this object; null: a
-  // pointer. Errors: those of check_setup() and Rig::create().
+  // pointer. Errors: those of check_setup(), of check_plant() with a grip, and of Rig::create().
   static Result<std::unique_ptr<PersonTrial>> create(const ExperimentScene& scene,
                                                      const Vec3& start_scene_m,
                                                      const PersonTrialSettings& settings,
@@ -84,6 +87,7 @@ class PersonTrial {
 
   bool is_on_board_ = false;
   PointedDevice pointer_;
+  std::optional<LedHand> led_;
   std::unique_ptr<TrialClock> clock_;
   TrialWatch watch_;
   std::unique_ptr<Rig> rig_;

@@ -236,6 +236,7 @@ std::vector<std::string> scene_warnings(const ExperimentPlan& plan,
 }
 
 std::optional<Error> check_persons(const ExperimentPlan& plan, const RunSetup& setup) {
+  if (auto error = check_simulable(plan)) return error;
   for (int participant = 1; participant <= plan.participants; ++participant) {
     const OperatorParameters person = draw_person(plan.person, plan.seed, participant);
     if (auto error = check_plant(plant_of(setup, person, 0), setup.dt_s))

@@ -54,8 +54,8 @@ Result<std::vector<ExperimentScene>> load_experiment_scenes(const ExperimentPlan
 std::vector<std::string> scene_warnings(const ExperimentPlan& plan,
                                         const std::vector<ExperimentScene>& scenes);
 
-// Returns an error if the hand of a person is unstable on this device. Calls check_plant() for
-// every participant of the plan.
+// Returns the error of check_simulable(), or one if the hand of a person is unstable on this
+// device. Calls check_plant() for every participant of the plan.
 std::optional<Error> check_persons(const ExperimentPlan& plan, const RunSetup& setup);
 
 }  // namespace palpate

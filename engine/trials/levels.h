@@ -42,24 +42,46 @@ constexpr std::array<std::string_view, count> names_of(
   return names;
 }
 
-// Each name with its meaning behind it, such as "NoH none, H all of it" with " " and ", ".
+// Each name with its meaning behind it, such as "NoH none, H all of it" with " " and ", ", of the
+// first levels.
 template <class Value, std::size_t count>
 std::string meanings_of(const ConditionLevels<Value, count>& levels,
-                        std::string_view before_meaning, std::string_view between) {
+                        std::string_view before_meaning, std::string_view between,
+                        std::size_t first = count) {
   std::string text;
-  for (const ConditionLevel<Value>& level : levels) {
+  for (std::size_t i = 0; i < first; ++i) {
     if (!text.empty()) text += between;
-    text.append(level.name).append(before_meaning).append(level.meaning);
+    text.append(levels[i].name).append(before_meaning).append(levels[i].meaning);
   }
   return text;
 }
 
-// Haptic: the part of the force that is commanded.
-inline constexpr ConditionLevels<ForceMode, 3> kHapticLevels = {
-    {{"NoH", "none", ForceMode::kNone},
-     {"UaH", "along the actuated axes", ForceMode::kActuated},
-     {"H", "all of it", ForceMode::kFull}}};
+// Haptic: the part of the force that is commanded. A seen force acts on a simulated hand that the
+// person leads: the person sees it, and feels nothing.
+enum class Haptic : std::uint8_t { kNone, kActuated, kFull, kSeenActuated, kSeenFull };
+inline constexpr ConditionLevels<Haptic, 5> kHapticLevels = {
+    {{"NoH", "none", Haptic::kNone},
+     {"UaH", "along the actuated axes", Haptic::kActuated},
+     {"H", "all of it", Haptic::kFull},
+     {"seen-UaH", "as UaH on a simulated hand (seen but not felt)", Haptic::kSeenActuated},
+     {"seen-H", "as H on a simulated hand (seen but not felt)", Haptic::kSeenFull}}};
 inline constexpr auto kHapticNames = names_of(kHapticLevels);
+// The first ones are those of simulated trials, and of devices; people's trials have all.
+inline constexpr std::size_t kFeltHapticCount = 3;
+
+constexpr bool is_seen_only(Haptic level) {
+  return static_cast<std::size_t>(level) >= kFeltHapticCount;
+}
+constexpr ForceMode force_of(Haptic level) {
+  if (level == Haptic::kNone) return ForceMode::kNone;
+  const bool is_full = level == Haptic::kFull || level == Haptic::kSeenFull;
+  return is_full ? ForceMode::kFull : ForceMode::kActuated;
+}
+
+// "commanded force: NoH none, UaH along the actuated axes, H all of it"
+inline std::string haptic_meaning(std::size_t first) {
+  return "commanded force: " + meanings_of(kHapticLevels, " ", ", ", first);
+}
 
 // Rotation: whether A4 turns the scene.
 inline constexpr ConditionLevels<bool, 2> kRotationLevels = {

@@ -118,6 +118,33 @@ void read_about(ObjectReader& reader, LivePlan& live) {
   for (const std::size_t place : asked) live.about.emplace_back(kAboutNames[place]);
 }
 
+// A force that a pointer cannot render is seen on a hand that the plan states.
+void read_force(ObjectReader& reader, LivePlan& live) {
+  std::size_t unused = 0;
+  const bool is_seen = reader.find("force", Key::kOptional) != nullptr;
+  if (is_seen) reader.choice("force", unused, {"seen"});
+  const Json* const grip = reader.find("grip", is_seen ? Key::kRequired : Key::kOptional);
+  if (!reader.ok() || (!grip && !is_seen)) return;
+  if (!is_seen) {
+    return reader.fail(live_error(reader.element_of("grip"),
+                                  "is of a plan with \"force\": \"seen\"; expected no grip",
+                                  "leave it out, or state \"force\": \"seen\" beside it"));
+  }
+  if (live.input != PlanInput::kPointer) {
+    return reader.fail(live_error(reader.element_of("force"),
+                                  "is seen, but the input is board, whose force is felt; expected "
+                                  "no force",
+                                  "leave force and grip out, or state \"mouse\" in input"));
+  }
+  HandImpedance hand;
+  ObjectReader numbers(*grip, reader.element_of("grip"));
+  numbers.number("stiffness_N_per_m", hand.stiffness_N_per_m, kGripStiffnessRange_N_per_m);
+  numbers.number("damping_Ns_per_m", hand.damping_Ns_per_m, kGripDampingRange_Ns_per_m);
+  numbers.number("mass_kg", hand.mass_kg, kGripMassRange_kg);
+  if (const auto error = numbers.finish()) return reader.fail(*error);
+  live.grip = hand;
+}
+
 // A board's own place is what its limits, the governor and its workspace go by.
 void read_clutch(ObjectReader& reader, LivePlan& live) {
   reader.flag("clutch", live.permits_clutch, Key::kOptional);
@@ -136,6 +163,7 @@ Result<LivePlan> read_live_plan(const Json& object, const std::string& element,
   std::size_t input = 0;
   reader.choice("input", input, {kPlanInputNames.begin(), kPlanInputNames.end()});
   live.input = static_cast<PlanInput>(input);
+  read_force(reader, live);
   read_texts(reader, folder, live);
   read_words(reader, live);
   read_language(reader, live);

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/devices/stability_limits.h"  // HandImpedance
 #include "engine/session/number_range.h"
 #include "engine/trials/strict_json.h"
 #include "geometry/base/result.h"
@@ -38,6 +39,9 @@ inline constexpr std::array<std::string_view, 4> kAboutNames = {"age", "gender",
                                                                 "experience"};
 
 inline constexpr NumberRange kDisplayScaleRange{0.0, 100.0, true};
+inline constexpr NumberRange kGripStiffnessRange_N_per_m{0.0, 1e5, true};
+inline constexpr NumberRange kGripDampingRange_Ns_per_m{0.0, 1e4};
+inline constexpr NumberRange kGripMassRange_kg{0.0, 100.0};
 inline constexpr NumberRange kBreakRange_s{0.0, 3600.0};
 inline constexpr NumberRange kLongestPictureRange_s{0.0, 10.0, true};
 inline constexpr NumberRange kLongestLatenessRange_s{0.0, 10.0, true};
@@ -47,6 +51,11 @@ inline constexpr NumberRange kLongestLatenessRange_s{0.0, 10.0, true};
 //   texts        {"information": TEXT, "consent": TEXT, "instructions": TEXT, "debriefing": TEXT};
 //                TEXT is a text, or {"file": PATH}, relative to the folder of the plan; a text is
 //                shown as it is, also what looks like tags; a blank line begins a paragraph
+//   [force]      "seen": the pointer leads a simulated hand by the grip, and the engine's force
+//                acts on that hand; the levels of haptic are NoH, seen-UaH and seen-H, one of them
+//                seen; needs the input mouse
+//   [grip]       {"stiffness_N_per_m": N, "damping_Ns_per_m": N, "mass_kg": N} of that hand, which
+//                a plan with "force" must have, and no other
 //   [words]      {KEY: TEXT}: the words of the participant's page, for a translation
 //   [language]   a tag of BCP 47; ["en"]
 //   [direction]  "ltr" or "rtl"; ["ltr"]
@@ -62,6 +71,9 @@ inline constexpr NumberRange kLongestLatenessRange_s{0.0, 10.0, true};
 //   [longest_lateness_s]  so is one with a tick that begins later than this; [0.1]
 struct LivePlan {
   PlanInput input = PlanInput::kPointer;
+  // Of the hand that the pointer leads ("force": "seen"); no value: a pointer moves the device
+  // point itself.
+  std::optional<HandImpedance> grip;
   std::array<std::string, kLiveTextCount> texts;  // UTF-8, by LiveText
   std::map<std::string, std::string> words;
   std::string language = "en";

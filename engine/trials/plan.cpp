@@ -290,17 +290,34 @@ void read_factors(ObjectReader& reader, ExperimentPlan& plan) {
   }
 }
 
-// A pointer cannot push. Which levels a board renders depends on its motors, which are known when
-// it is opened.
-void check_live_levels(ObjectReader& reader, const ExperimentPlan& plan) {
-  if (plan.live->input == PlanInput::kBoard) return;
+// A pointer cannot push, and only people see. Which levels a board renders depends on its motors,
+// which are known when it is opened.
+void check_haptic_levels(ObjectReader& reader, const ExperimentPlan& plan) {
+  const bool is_seen = plan.live && plan.live->grip;
+  const bool is_pointer = plan.live && plan.live->input == PlanInput::kPointer;
+  const std::string expected = is_seen      ? "NoH, seen-UaH or seen-H"
+                               : is_pointer ? "NoH"
+                                            : "NoH, UaH or H";
+  bool has_seen = false;
   for (std::size_t i = 0; i < plan.haptic.size(); ++i) {
-    if (kHapticLevels[plan.haptic[i]].value == ForceMode::kNone) continue;
-    return reader.fail(plan_error(reader.element_of("haptic") + "/" + std::to_string(i),
-                                  "is " + std::string(kHapticNames[plan.haptic[i]]) +
-                                      ", which a mouse, pen or finger cannot render; expected NoH",
-                                  "leave the level out, or state \"board\" in /live/input"));
+    const Haptic level = kHapticLevels[plan.haptic[i]].value;
+    has_seen = has_seen || is_seen_only(level);
+    const bool fits = is_seen_only(level) ? is_seen : !is_pointer;
+    if (level == Haptic::kNone || fits) continue;
+    const char* const why = is_seen_only(level) ? ", which needs \"force\": \"seen\" in /live"
+                                                : ", which a mouse, pen or finger cannot render";
+    return reader.fail(plan_error(
+        reader.element_of("haptic") + "/" + std::to_string(i),
+        "is " + std::string(kHapticNames[plan.haptic[i]]) + why + "; expected " + expected,
+        is_pointer && !is_seen_only(level)
+            ? "leave the level out, or state \"board\" in /live/input"
+            : "leave the level out, or state force and grip in /live"));
   }
+  if (!is_seen || has_seen) return;
+  reader.fail(plan_error(reader.element_of("haptic"),
+                         "has no seen level; expected seen-UaH or seen-H among them, because "
+                         "/live/force is seen",
+                         "add a level, or leave force and grip out"));
 }
 
 void read_live(ObjectReader& reader, const std::string& folder, ExperimentPlan& plan) {
@@ -327,7 +344,6 @@ void read_live(ObjectReader& reader, const std::string& folder, ExperimentPlan& 
                                   "williams, in which the trials of a condition follow each other",
                                   "state \"order\": \"williams\", or leave the questionnaire out"));
   }
-  check_live_levels(reader, plan);
 }
 
 void check_trials(ObjectReader& reader, const ExperimentPlan& plan) {
@@ -427,6 +443,13 @@ std::vector<std::string> ExperimentPlan::warnings() const {
   return sentences;
 }
 
+std::optional<Error> check_simulable(const ExperimentPlan& plan) {
+  if (!plan.live || !plan.live->grip) return std::nullopt;
+  return Error{ErrorCode::kUnsupported, plan.path, "/live/force",
+               "is seen, which only people see; expected a plan without it for simulated persons",
+               "`palpate experiment live` without --script runs it"};
+}
+
 Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path,
                                   const std::string& folder) {
   const auto json = parse_strict_json(text, path);
@@ -451,6 +474,7 @@ Result<ExperimentPlan> parse_plan(std::string_view text, const std::string& path
   read_objects(reader, folder, plan);
   read_plan_operator(reader, folder, plan.person);
   read_live(reader, folder, plan);
+  check_haptic_levels(reader, plan);
   check_trials(reader, plan);
   if (auto error = reader.finish()) {
     if (error->path.empty()) error->path = path;

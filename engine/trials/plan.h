@@ -143,6 +143,9 @@ struct ExperimentPlan {
   std::vector<std::string> warnings() const;
 };
 
+// An error if simulated persons cannot take part in the plan: they see no force.
+std::optional<Error> check_simulable(const ExperimentPlan& plan);
+
 // An error names the element, such as /device/rate_Hz. path: the path of the file, for messages.
 // folder: the folder to which paths in the plan are relative; empty: the current folder. Reads the
 // operator file, but no scene.

@@ -154,8 +154,8 @@ std::string one_of(const std::array<std::string_view, count>& names) {
   return joined_words({names.begin(), names.end()});
 }
 
-// statuses: how many of them the trials have.
-Columns columns_of_trials(std::size_t statuses) {
+// haptics, statuses: how many of the levels the trials have.
+Columns columns_of_trials(std::size_t haptics, std::size_t statuses) {
   return {
       {"following", "", "how a simulated operator follows the turning scene; empty for a person",
        "", kOptional, Field::level(&Row::following, kFollowingNames, kEmptyForPeople), kFirst},
@@ -165,8 +165,8 @@ Columns columns_of_trials(std::size_t statuses) {
        Field::whole(&Row::block, kFromZero), kFirst},
       {"trial", "", "the place of the trial within its block, 1 for the first", "", kOptional,
        Field::whole(&Row::trial, kFromOne), kFirst},
-      {"haptic", "", "commanded force: " + meanings_of(kHapticLevels, " ", ", "),
-       "haptic condition", kRequired, factor(&Row::haptic, kHapticNames)},
+      {"haptic", "", haptic_meaning(haptics), "haptic condition", kRequired,
+       factor(&Row::haptic, std::span(kHapticNames).first(haptics))},
       {"rotation", "", rotation_meaning(), "rotation condition", kRequired,
        factor(&Row::rotation, kRotationNames)},
       {"object", "", "the object whose contour is followed", "object", kRequired,
@@ -384,9 +384,9 @@ CsvTable<Row> table_of(std::initializer_list<Columns> parts) {
 
 CsvTable<Row> make_table() {
   CsvTable<Row> table =
-      table_of({columns_of_trials(kTrialStatusNames.size()), columns_of_measures(),
-                columns_of_faults(), columns_of_strategy_measures(), column_of_strategy(),
-                columns_of_variants(), columns_of_live_trials()});
+      table_of({columns_of_trials(kHapticNames.size(), kTrialStatusNames.size()),
+                columns_of_measures(), columns_of_faults(), columns_of_strategy_measures(),
+                column_of_strategy(), columns_of_variants(), columns_of_live_trials()});
   table.first_line = FirstLine::kByName;
   table.other_count = [](std::size_t found, std::size_t expected) {
     return "has " + std::to_string(found) + " fields; expected " + std::to_string(expected) +
@@ -404,8 +404,9 @@ CsvTable<Row> make_table() {
 
 // What is in a file of one kind.
 CsvTable<Row> make_written_table(TrialColumns kind) {
-  const Columns trials = columns_of_trials(kind == TrialColumns::kLive ? kTrialStatusNames.size()
-                                                                       : kSimulatedStatusCount);
+  const Columns trials = kind == TrialColumns::kLive
+                             ? columns_of_trials(kHapticNames.size(), kTrialStatusNames.size())
+                             : columns_of_trials(kFeltHapticCount, kSimulatedStatusCount);
   switch (kind) {
     case TrialColumns::kStrategies:
       return table_of({trials, columns_of_measures(), columns_of_faults(),

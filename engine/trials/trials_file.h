@@ -46,7 +46,7 @@ const std::string& trials_columns(TrialColumns columns = TrialColumns::kFactors)
 void add_row(CsvLines& lines, const TrialRow& row);
 
 // The text of columns.csv: name, unit, meaning and the paper's name of each column of such a file.
-// Statuses that simulated trials do not have are only in live files.
+// Levels that simulated trials do not have, of haptic and status, are only in live files.
 std::string columns_csv(TrialColumns columns = TrialColumns::kFactors);
 // The same of trials_table().
 std::string all_columns_csv();

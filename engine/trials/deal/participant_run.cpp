@@ -98,7 +98,7 @@ TrialConditions conditions_of(const ExperimentPlan& plan, int participant,
     conditions.noise_seed = noise_seed(plan.seed, participant, trial.block, "", "", object);
     return conditions;
   }
-  conditions.force = kHapticLevels[c.haptic].value;
+  conditions.force = force_of(kHapticLevels[c.haptic].value);
   conditions.a4 = kRotationLevels[c.rotation].value;
   conditions.noise_seed =
       noise_seed(plan.seed, participant, trial.block, std::string(kHapticNames[c.haptic]),

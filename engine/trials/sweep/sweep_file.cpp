@@ -44,7 +44,12 @@ std::optional<Error> check_base_plan(const ExperimentPlan& plan) {
     return refused("strategies", "is present; expected haptic and rotation",
                    "every point compares the six conditions of haptic and rotation");
   }
-  if (plan.haptic.size() != kHapticNames.size()) {
+  if (auto error = check_simulable(plan)) {
+    error->path.clear();
+    error->element = kPlanElement + error->element;
+    return error;
+  }
+  if (plan.haptic.size() != kFeltHapticCount) {
     return refused("haptic", "lacks a level; expected NoH, UaH and H",
                    "every point compares the six conditions of haptic and rotation");
   }

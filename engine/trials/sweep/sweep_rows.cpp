@@ -97,8 +97,8 @@ CsvTable<Row> make_sweep_table() {
   const std::vector<Column<Row>> behind_parameters = {
       {"participant", "", "the number of the simulated operator", "", kRequired,
        Field::whole(&Row::participant)},
-      {"haptic", "", "commanded force: " + meanings_of(kHapticLevels, " ", ", "), "", kRequired,
-       Field::level(&Row::haptic, kHapticNames, kWord)},
+      {"haptic", "", haptic_meaning(kFeltHapticCount), "", kRequired,
+       Field::level(&Row::haptic, std::span(kHapticNames).first(kFeltHapticCount), kWord)},
       {"rotation", "", rotation_meaning(), "", kRequired,
        Field::level(&Row::rotation, kRotationNames, kWord)},
       {"trials", "1", "trials of the participant in the condition", "", kRequired,

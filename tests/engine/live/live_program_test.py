@@ -48,6 +48,15 @@ def plan_with(models, **changes):
     return plan
 
 
+def seen_plan(models, **grip):
+    """A plan with a force that is seen, and a grip so stiff that the hand is quick."""
+    plan = plan_with(models, participants=2, blocks=1, practice_blocks=0, rotation=["R"],
+                     haptic=["NoH", "seen-UaH", "seen-H"])
+    plan["live"].update({"force": "seen", "grip": {"stiffness_N_per_m": 3000, "damping_Ns_per_m": 20,
+                                                   "mass_kg": 0.1, **grip}})
+    return plan
+
+
 def rows_of(folder):
     with open(folder / "trials.csv", newline="") as file:
         return list(csv.DictReader(file))
@@ -187,6 +196,35 @@ class Tests:
             for column, (value, _) in near.items():
                 assert abs(float(row[column]) - value) <= 1e-9 * max(abs(value), 1e-12), \
                     (name, column, row[column], value)
+
+    # A force that is seen: the frame yields, the rows are what the recordings say, and these can be
+    # computed again.
+    def test_seen(self):
+        plan = seen_plan(self.models)
+        out = self.folder / "out"
+        path = self.write(plan)
+        for options in (["run", path, "--out", out],
+                        ["live", path, "--participant", 1, "--script", "people2005", "--out", out]):
+            done = self.run(*options)
+            assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done
+            assert "/live/force: is seen, which only people see" in done.stderr, done.stderr
+        run = Program(self.program, path, 1, out)
+        assert Participant(run.participant).follow() == "done"
+        code, text = run.end()
+        assert code == 0, text
+        rows = rows_of(out)
+        assert sorted(row["haptic"] for row in rows) == ["NoH", "seen-H", "seen-UaH"], rows
+        assert all(row["status"] == "done" and row["input"] == "mouse" for row in rows), rows
+        self.judge_recordings(plan, rows)
+        depth = {row["haptic"]: float(row["mean_penetration_m"]) for row in rows}
+        assert depth["seen-H"] < depth["NoH"], depth
+        work = {row["haptic"]: float(row["port_work_J"]) for row in rows}
+        assert work["NoH"] == 0 and work["seen-H"] != 0 and work["seen-UaH"] != 0, work
+        for recording in sorted((out / "participants/01/recordings").iterdir()):
+            proved = subprocess.run([self.program, "replay", recording], capture_output=True, text=True)
+            assert proved.returncode == 0 and "each with the same bits" in proved.stdout, proved
+        levels = (out / "columns.csv").read_text()
+        assert "seen-H as H on a simulated hand (seen but not felt)" in levels, levels
 
     # Only the running trial is cut, and none that has ended comes again.
     def test_kills(self):
@@ -628,6 +666,14 @@ class Tests:
         self.refused(self.write({**good, "live": wrong}), "/live/words/go_onn: is no word")
         self.refused(self.write({**good, "scale": [1, 2]}), "/live: is in a plan with several")
         self.refused(self.write(good), "--device: is given", "--device", "hapi:port=/dev/null")
+        seen = seen_plan(self.models)
+        self.refused(self.write({**good, "haptic": ["NoH", "seen-H"]}), "/haptic/1: is seen-H, which")
+        self.refused(self.write({**seen, "haptic": ["seen-H", "UaH"]}), "/haptic/1: is UaH, which")
+        on_board = {**seen["live"], "input": "board"}
+        self.refused(self.write({**seen, "live": on_board}), "/live/force: is seen, but")
+        loose = seen_plan(self.models, damping_Ns_per_m=0)
+        loose["device"] = {**DEVICE, "stiffness_N_per_m": 6000}
+        self.refused(self.write(loose), "/live/grip/damping_Ns_per_m: is 0, with which the hand")
         board = {**live, "input": "board"}
         self.refused(self.write({**good, "live": board}), "--device: is missing")
         assert not (self.folder / "out").exists(), "nothing is written"

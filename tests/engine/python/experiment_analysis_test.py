@@ -540,7 +540,10 @@ REFUSED = {
         "participant: has 1 level beside practice; expected two participants or more"),
     "unknown force": (
         lambda rows: put(rows[30:31], haptic="h"),
-        'line 32, column haptic: is "h"; expected NoH, UaH or H'),
+        'line 32, column haptic: is "h"; expected NoH, UaH, H, seen-UaH or seen-H'),
+    "a seen force among felt ones": (
+        lambda rows: put(where(rows, haptic="H"), haptic="seen-H"),
+        "column haptic: has seen-H and UaH; expected forces that are seen, or forces that are felt"),
     "unknown rotation": (
         lambda rows: put(rows[30:31], rotation=""),
         'line 32, column rotation: is ""; expected NoR or R'),
@@ -593,6 +596,21 @@ def test_refusals_name_what_to_change(name):
     error = refused.value
     error.path = ""
     assert str(error).startswith(message)
+
+
+SEEN = ("NoH", "seen-UaH", "seen-H")
+
+
+def test_a_seen_force_is_a_claim_about_seeing():
+    felt, seen = analysed(sample_trials()), analysed(sample_trials(SampleTrials(haptic=SEEN)))
+    assert seen.experiment.levels["Haptic"] == list(SEEN), "in the order of the felt ones"
+    for outcome, primary in felt.primary.items():
+        assert list(seen.primary[outcome].means["mean"]) == list(primary.means["mean"])
+    assert {found.verdict for found in seen.findings} == {NOT_TESTABLE}
+    assert {found.by_the_papers_test for found in seen.findings} <= {None, NOT_TESTABLE}
+    assert all("claim about seeing" in found.because for found in seen.findings)
+    assert any("claim about seeing" in note for note in seen.notes)
+    assert not any("claim about seeing" in note for note in felt.notes)
 
 
 def test_file_without_trials_is_refused():

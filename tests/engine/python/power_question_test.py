@@ -427,6 +427,15 @@ def test_a_pilot_with_too_large_values_is_refused(tmp_path, value):
 
 
 
+def test_a_pilot_whose_force_was_seen_is_refused(tmp_path):
+    pilot = MadePilot()
+    for row in pilot.rows:
+        row[3] = row[3] if row[3] == "NoH" else "seen-" + row[3]
+    refused = refusal(pilot.write(tmp_path / "seen.csv"))
+    assert "column haptic: is seen-UaH in a trial of participant P1" in refused
+    assert "claim about seeing" in refused
+
+
 def test_a_pilot_of_which_only_uah_is_asked_for_may_have_other_levels(tmp_path):
     path = MadePilot().write(tmp_path / "pilot.csv")
     angle = path.removeprefix("--pilot=")

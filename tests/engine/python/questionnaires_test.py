@@ -188,7 +188,7 @@ def test_answers_are_read(tmp_path: Path) -> None:
     ("real", "Real", 'line 3, column item: is "Real"; expected tlx_mental, tlx_physical, '
                      "tlx_temporal, tlx_performance, tlx_effort, tlx_frustration or real"),
     ("1,1,NoH", "1,0,NoH", 'line 2, column block: is "0"; expected a whole number from 1 to 1000000'),
-    ("1,NoH", "1,UaR", 'line 2, column haptic: is "UaR"; expected NoH, UaH or H'),
+    ("1,NoH", "1,UaR", 'line 2, column haptic: is "UaR"; expected NoH, UaH, H, seen-UaH or seen-H'),
     ("2,1,NoH", "1,1,NoH", "line 4: has participant, block, haptic, rotation, item 1 1 NoH R tlx_effort again; "
                        "expected each once (remove one of the lines)"),
     (",value", ",answer", "line 1: has other columns; expected participant,block,haptic,rotation,item,"

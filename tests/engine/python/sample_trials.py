@@ -83,7 +83,7 @@ def _half_up(value: float) -> float:
 def _add(draws: _Draws, row: dict[str, Any], place: float) -> None:
     random, sample, person = draws.random, draws.sample, draws.person
     e = sample.effects
-    of = {"NoH": 0, "UaH": 1, "H": 2}[row["haptic"]]
+    of = {"NoH": 0, "UaH": 1, "H": 2}[row["haptic"].removeprefix("seen-")]
     r = 0.5 if row["rotation"] == "R" else -0.5
     block = row["block"]
     time = (27.0 + e * (2.0, 0.3, -2.0)[of] + 4.0 * e * r + 3.0 * person + 5.0 * place - block

@@ -51,9 +51,10 @@ def test_a_table_is_refused_by_line_and_column_as_in_cpp(case: Case) -> None:
         return
     with pytest.raises(InputError) as refused:
         read_trials("trials.csv")
-    # People's trials came later, and two statuses with them.
+    # People's trials came later, and two statuses and two forces with them.
     expected = case.stderr.replace("done, timeout or fault",
                                    "done, timeout, fault, aborted or skipped")
+    expected = expected.replace("NoH, UaH or H", "NoH, UaH, H, seen-UaH or seen-H")
     assert f"palpate: {refused.value}\n" == expected
 
 

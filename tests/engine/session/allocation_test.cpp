@@ -21,6 +21,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/devices/vector_device.h"
+#include "engine/live/led_hand.h"
 #include "engine/live/pointed_device.h"
 #include "engine/live/start_place.h"
 #include "engine/live/trial_watch.h"
@@ -667,6 +668,38 @@ TEST(SilentTrial, FollowsThePointerAndFindsWhoIsLostWithoutAllocating) {
   }
   EXPECT_TRUE(clock.has_started());
   EXPECT_EQ(watch.times_lost(), 1u);
+}
+
+// A hand that the pointer leads, at a wall that pushes it back.
+TEST(SilentTrial, LeadsAHandWithoutAllocating) {
+  const auto plan =
+      parse_plan(shipped_plan_text("paper-live-mouse", ""), "plan", PALPATE_MODELS_DIR);
+  ASSERT_TRUE(plan);
+  const auto scenes = load_experiment_scenes(*plan, {find_trial_way, run_trial});
+  ASSERT_TRUE(scenes);
+  const ExperimentScene& scene = scenes->front();
+  RunSetup setup = scene.setup;
+  setup.haptics.force = ForceMode::kFull;
+  const Vec3 green_m = setup.haptics.initial_pose.point(scene.way.green_m);
+  PointedDevice pointer(setup.device, green_m);
+  LedHand hand(pointer, setup, {}, green_m);
+  auto loop = test::made(HapticLoop::create(scene.scene.world(), setup.actuation, setup.haptics));
+  StatePublisher publisher(loop, &pointer, 0);
+  HapticSession session(loop, hand.device(), {.observers = {&publisher}, .takes_motors = false});
+  session.start();
+  test::Random random(5);
+  std::uint64_t contacts = 0;
+  TickRecord newest;
+  for (std::uint64_t n = 1; n < 4000; ++n) {
+    const Vec3 target = green_m + random.in_box(0.02);
+    if (n % 20 == 0) pointer.point({n % 100 != 0, n, {target.x(), target.y(), target.z()}});
+    Census census;
+    session.tick(1e-3);
+    census.stop();
+    census.expect_nothing();
+    if (session.latest(newest)) contacts += newest.contact;
+  }
+  EXPECT_GT(contacts, 500u);
 }
 
 // ---- the thread --------------------------------------------------------------------------------

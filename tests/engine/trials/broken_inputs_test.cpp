@@ -295,7 +295,7 @@ const std::vector<Breakage>& broken_plans() {
       {"limit is null", [](Json& j) { j["limit_s"] = nullptr; }, "/limit_s", "is null"},
       {"no haptic level", [](Json& j) { j["haptic"] = Json::array(); }, "/haptic", "is empty"},
       {"unknown haptic level", [](Json& j) { j["haptic"][1] = "UAH"; }, "/haptic/1",
-       "NoH, UaH or H"},
+       "NoH, UaH, H, seen-UaH or seen-H"},
       {"haptic level twice", [](Json& j) { j["haptic"][2] = "NoH"; }, "/haptic/2", "repeats"},
       {"haptic is a text", [](Json& j) { j["haptic"] = "H"; }, "/haptic", "a list"},
       {"unknown rotation", [](Json& j) { j["rotation"] = Json::parse("[true]"); }, "/rotation/0",
@@ -383,6 +383,86 @@ TEST(BrokenInputs, APlanIsRefusedByTheNameOfItsElement) {
     expect_error(plan.error(), breakage.element, breakage.problem, "plan.json");
   }
   EXPECT_GE(broken_plans().size(), 60u);
+}
+
+// A plan with a mouse and a force that is seen.
+Json seen() {
+  Json json = Json::parse(shipped_plan_text("paper-live-mouse", ""));
+  json["haptic"] = {"NoH", "seen-UaH", "seen-H"};
+  json["live"]["force"] = "seen";
+  json["live"]["grip"] = {
+      {"stiffness_N_per_m", 135}, {"damping_Ns_per_m", 6.45}, {"mass_kg", 0.55}};
+  return json;
+}
+
+TEST(BrokenInputs, ASeenForceIsRefusedByTheNameOfItsElement) {
+  const auto plan = parse_plan(to_text(seen()), "plan.json", "");
+  ASSERT_TRUE(plan.ok()) << plan.error().to_string();
+  ASSERT_TRUE(plan->live->grip);
+  EXPECT_EQ(plan->live->grip->stiffness_N_per_m, 135.0);
+  EXPECT_EQ(plan->live->grip->damping_Ns_per_m, 6.45);
+  EXPECT_EQ(plan->live->grip->mass_kg, 0.55);
+  const std::vector<Breakage> breakages = {
+      {"H with a mouse",
+       [](Json& j) {
+         j["haptic"] = {"NoH", "seen-H", "H"};
+       },
+       "/haptic/2",
+       "is H, which a mouse, pen or finger cannot render; expected NoH, seen-UaH or seen-H"},
+      {"UaH with a mouse",
+       [](Json& j) {
+         j["haptic"] = {"UaH", "seen-UaH"};
+       },
+       "/haptic/0", "is UaH, which a mouse"},
+      {"nothing that is seen", [](Json& j) { j["haptic"] = {"NoH"}; }, "/haptic",
+       "has no seen level; expected seen-UaH or seen-H"},
+      {"no force",
+       [](Json& j) {
+         j["live"].erase("force");
+         j["live"].erase("grip");
+       },
+       "/haptic/1", "is seen-UaH, which needs \"force\": \"seen\" in /live; expected NoH"},
+      {"no live", [](Json& j) { j.erase("live"); }, "/haptic/1",
+       "is seen-UaH, which needs \"force\": \"seen\" in /live; expected NoH, UaH or H"},
+      {"a board", [](Json& j) { j["live"]["input"] = "board"; }, "/live/force",
+       "is seen, but the input is board"},
+      {"a seen level with a board",
+       [](Json& j) {
+         j["live"].erase("force");
+         j["live"].erase("grip");
+         j["live"].erase("clutch");  // of a pointer
+         j["live"]["input"] = "board";
+       },
+       "/haptic/1", "is seen-UaH, which needs \"force\": \"seen\" in /live"},
+      {"another force", [](Json& j) { j["live"]["force"] = "felt"; }, "/live/force",
+       "is \"felt\"; expected seen"},
+      {"no grip", [](Json& j) { j["live"].erase("grip"); }, "/live/grip", "is missing"},
+      {"a grip without force", [](Json& j) { j["live"].erase("force"); }, "/live/grip",
+       "is of a plan with \"force\": \"seen\""},
+      {"no mass", [](Json& j) { j["live"]["grip"].erase("mass_kg"); }, "/live/grip/mass_kg",
+       "is missing"},
+      {"no stiffness", [](Json& j) { j["live"]["grip"]["stiffness_N_per_m"] = 0; },
+       "/live/grip/stiffness_N_per_m", "above 0"},
+      {"unknown key", [](Json& j) { j["live"]["grip"]["friction"] = 1; }, "/live/grip/friction",
+       "not a known key"},
+  };
+  for (const Breakage& breakage : breakages) {
+    SCOPED_TRACE(breakage.name);
+    Json json = seen();
+    breakage.change(json);
+    const auto broken = parse_plan(to_text(json), "plan.json", "");
+    ASSERT_FALSE(broken.ok());
+    expect_error(broken.error(), breakage.element, breakage.problem, "plan.json");
+  }
+}
+
+TEST(BrokenInputs, SimulatedPersonsSeeNoForce) {
+  const auto plan = parse_plan(to_text(seen()), "plan.json", "");
+  ASSERT_TRUE(plan.ok());
+  const auto refused = check_simulable(*plan);
+  ASSERT_TRUE(refused);
+  expect_error(*refused, "/live/force", "is seen, which only people see", "plan.json");
+  EXPECT_FALSE(check_simulable(*parse_plan(to_text(paper()), "plan.json", "")));
 }
 
 TEST(BrokenInputs, TheTextOfAPlanIsRefusedByItsPlace) {
@@ -615,7 +695,7 @@ TEST(BrokenInputs, ATableOfTrialsIsRefusedByLineAndColumn) {
       {with("Ann,1,1,NoH", "Ann,1.5,1,NoH"), "line 2, column block", "a whole number"},
       {with("Ann,1,1,NoH", "Ann,,1,NoH"), "line 2, column block", "is \"\""},
       {with("Ann,1,1,NoH", "Ann,1,0,NoH"), "line 2, column trial", "from 1"},
-      {with("NoH", "noh"), "line 2, column haptic", "NoH, UaH or H"},
+      {with("NoH", "noh"), "line 2, column haptic", "NoH, UaH, H, seen-UaH or seen-H"},
       {with("NoH,R,", "NoH,A4,"), "line 2, column rotation", "NoR or R"},
       {with("NoH,R,O1", "NoH,R,"), "line 2, column object", "a name"},
       {with("1,done", "0,done"), "line 2, column attempt", "from 1"},
@@ -699,10 +779,12 @@ TEST(LiveTrialsFile, HasTheLiveColumnsBehindThePlainOnes) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
             2 + std::count(live.begin(), live.end(), ','));
   EXPECT_NE(text.find(",required,done|timeout|fault|aborted|skipped\n"), std::string::npos);
+  EXPECT_NE(text.find(",required,NoH|UaH|H|seen-UaH|seen-H\n"), std::string::npos);
   // Simulated trials are neither aborted nor skipped.
   for (const TrialColumns kind : {TrialColumns::kFactors, TrialColumns::kStrategies}) {
     EXPECT_NE(columns_csv(kind).find(",required,done|timeout|fault\n"), std::string::npos);
     EXPECT_EQ(columns_csv(kind).find("pilot"), std::string::npos);
+    EXPECT_NE(columns_csv(kind).find(",required,NoH|UaH|H\n"), std::string::npos);
   }
 }
 

@@ -59,7 +59,8 @@ TEST(QuestionnaireFile, RefusesWhatItsItemDoesNotPermit) {
        "tlx_performance, tlx_effort, tlx_frustration or real"},
       {"1,0,NoH,R,real,4",
        "line 2, column block: is \"0\"; expected a whole number from 1 to 1000000"},
-      {"1,1,UaR,R,real,4", "line 2, column haptic: is \"UaR\"; expected NoH, UaH or H"},
+      {"1,1,UaR,R,real,4",
+       "line 2, column haptic: is \"UaR\"; expected NoH, UaH, H, seen-UaH or seen-H"},
       {"1,1,NoH,R,real", "line 2: has 5 fields; expected 6, as in the first line"},
       {"1,1,NoH,R,real,4\n1,1,NoH,R,real,5",
        "line 3: has the answer of line 2 again: participant 1, block 1, NoH, R, real; expected "

@@ -13,7 +13,13 @@ from palpate.analysis.numbers import number_or_dash
 
 from .as_paper import AsPaper, analyse_as_paper, experiment_notes
 from .differences import Difference, differences_of
-from .experiments import Experiment, counts_text, experiments_of, without_pilots
+from .experiments import (
+    Experiment,
+    check_haptic,
+    counts_text,
+    experiments_of,
+    without_pilots,
+)
 from .findings import FindingResult, judge
 from .loss_rates import LossRates, loss_rates
 from .outcomes import ANGLE, OUTCOMES, PAPER_OUTCOMES, TIME_TO_LIMIT, Outcome
@@ -87,11 +93,12 @@ class ExperimentAnalysis:
 def analyse_trials(frame: pd.DataFrame, limit_s: float) -> ExperimentAnalysis:
     """frame: the rows of trials.csv (read_trials), in any order. limit_s: of a trial.
 
-    Raises InputError as experiments_of() and analyse_as_paper() do, and for a contact angle that is
-    the same in all trials. A condition without a completed trial is an error only if every
+    Raises InputError as check_haptic(), experiments_of() and analyse_as_paper() do, and for a contact
+    angle that is the same in all trials. A condition without a completed trial is an error only if every
     following has such a condition. If the file has several variants, a reason why the paper's
     analysis is not possible is no error: they are still compared.
     """
+    check_haptic(frame)
     counted = without_pilots(frame)
     if counted.empty and len(frame):
         raise InputError("", "column pilot", "is 1 in every row; expected trials that are not of a "
@@ -122,6 +129,12 @@ class _in_following:
 
 def _analyse(experiment: Experiment, is_one_of_several: bool) -> OperatorAnalysis:
     analysis = OperatorAnalysis(experiment, notes=experiment_notes(experiment))
+    if experiment.is_seen:
+        analysis.notes.append(
+            "In seen-UaH and seen-H the force acted on a simulated hand that the pointer led: "
+            "people saw it and felt nothing. What these levels show is a claim about seeing, so "
+            "that no finding of the paper, whose people felt the force, is tested."
+        )
     if experiment.repeated:
         analysis.notes.append(
             "Of several attempts at a trial the last completed one counts, or the last one if none "

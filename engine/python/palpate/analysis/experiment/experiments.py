@@ -23,6 +23,9 @@ from .outcomes import OUTCOMES, TIME_TO_LIMIT, Outcome, with_outcomes
 FACTORS = ("Haptic", "Rotation", "Object", "Trial")
 CONDITION = ["Haptic", "Rotation", "Object"]
 HAPTIC = ("NoH", "UaH", "H")
+# The force acts on a simulated hand that the person leads.
+SEEN = ("seen-UaH", "seen-H")
+SEEN_CLAIM = "a seen force is a claim about seeing, never pooled with a felt one"
 ROTATION = ("NoR", "R")
 # The statuses of trials, and how counts name them.
 STATUS = {"done": "done", "timeout": "timeouts", "fault": "faults", "aborted": "aborted",
@@ -122,6 +125,11 @@ class Experiment:
     def participants(self) -> list[str]:
         return list(self.trials["participant"].cat.categories)
 
+    @property
+    def is_seen(self) -> bool:
+        """The people saw the force, and did not feel it."""
+        return not set(SEEN).isdisjoint(self.levels["Haptic"])
+
     def has(self, outcome: Outcome) -> bool:
         return bool(self.trials[outcome.key].notna().any())
 
@@ -202,6 +210,18 @@ def without_pilots(frame: pd.DataFrame) -> pd.DataFrame:
     return frame[frame["pilot"] == 0]
 
 
+def check_haptic(frame: pd.DataFrame) -> None:
+    """Raises InputError for rows with levels of Haptic that are seen and with others that are felt:
+    frame has the column haptic."""
+    there = set(frame["haptic"])
+    seen = [level for level in SEEN if level in there]
+    felt = [level for level in HAPTIC[1:] if level in there]
+    if seen and felt:
+        raise InputError("", "column haptic", f"has {seen[0]} and {felt[0]}; expected forces that "
+                         f"are seen, or forces that are felt: {SEEN_CLAIM}",
+                         "analyse the trials of each plan on their own")
+
+
 def counts_text(counts: Mapping[str, int]) -> str:
     """ "focus 2, hidden 1"."""
     return ", ".join(f"{name} {n}" for name, n in _largest_first(counts).items())
@@ -272,7 +292,7 @@ def _experiment(
     repeated = others["reason"].where(others["reason"] != "", others["status"])
     columns = {
         "participant": _in_order(counted["participant"]),
-        "Haptic": _in_order(counted["haptic"], HAPTIC),
+        "Haptic": _in_order(counted["haptic"], (*HAPTIC, *SEEN)),
         "Rotation": _in_order(counted["rotation"], ROTATION),
         "Object": _in_order(counted["object"]),
         "Trial": _in_order(counted["block"]),

@@ -18,7 +18,7 @@ from palpate.analysis.numbers import f_text, p_text
 from palpate.analysis.statistics import SIGNIFICANCE
 
 from .as_paper import AsPaper
-from .experiments import HAPTIC, Experiment
+from .experiments import HAPTIC, SEEN_CLAIM, Experiment
 from .outcomes import ANGLE, Outcome
 from .paper import FINDINGS, Claim, Finding
 from .primary import Primary
@@ -73,9 +73,11 @@ def judge(
     of the contact angle of UaH alone."""
     results = []
     for finding in FINDINGS:
-        testable = "Haptic" not in finding.term or len(experiment.levels["Haptic"]) == len(HAPTIC)
+        has_levels = "Haptic" not in finding.term or len(experiment.levels["Haptic"]) == len(HAPTIC)
+        testable = has_levels and not experiment.is_seen
         as_paper = _paper_evidence(experiment, paper, finding) if testable else None
-        verdict, because, comparisons = NOT_TESTABLE, NO_EVIDENCE, list[Comparison]()
+        why_not = SEEN_CLAIM if experiment.is_seen else NO_EVIDENCE
+        verdict, because, comparisons = NOT_TESTABLE, why_not, list[Comparison]()
         if testable and finding.outcome is not None:
             analysis = angle if finding.outcome is ANGLE else primary.get(finding.outcome)
             if analysis:

@@ -14,6 +14,7 @@ from scipy import special
 from palpate.analysis.figures import COLOURS, MARKERS, new_figure
 from palpate.analysis.numbers import number_or_dash, with_unit
 
+from .experiments import SEEN
 from .outcomes import ANGLE, Outcome
 from .paper import MEANS
 
@@ -26,7 +27,8 @@ PAPER_COLOUR = "#7c7c7c"  # a contrast of 4 on white and on dark ground
 NEAR_ZERO = 0.4
 MARGIN = 0.1  # of the range of the values, on each side
 
-HAPTIC_TICKS = {"NoH": "NoH\nno force", "UaH": "UaH\nactuated axis", "H": "H\nfull force"}
+HAPTIC_TICKS = {"NoH": "NoH\nno force", "UaH": "UaH\nactuated axis", "H": "H\nfull force",
+                "seen-UaH": "seen-UaH\nactuated axis", "seen-H": "seen-H\nfull force"}
 ROTATION_TEXTS = {"NoR": "the scene stands still", "R": "the scene turns"}
 
 
@@ -62,7 +64,7 @@ def draw_by_rotation_and_haptic(
         lows.append((rows["mean"] - halves).min())
         highs.append((rows["mean"] + halves).max())
     papers = [(h, MEANS[outcome, level][0]) for h, level in enumerate(haptic)
-              if (outcome, level) in MEANS]  # fmt: skip
+              if (outcome, level) in MEANS and not set(SEEN) & set(haptic)]  # fmt: skip
     if papers:
         _put_paper(axes, papers, "the paper's people, mean of NoR and R")
         lows.append(min(mean for _, mean in papers))

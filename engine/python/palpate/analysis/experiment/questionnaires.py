@@ -19,7 +19,7 @@ from palpate.analysis.statistics import Friedman, SignedRank, friedman, holm, si
 from palpate.analysis.statistics.types import Array
 from palpate.analysis.tables import Column
 
-from .experiments import HAPTIC, ROTATION, natural
+from .experiments import HAPTIC, ROTATION, SEEN, check_haptic, natural
 
 FILE = "questionnaires.csv"  # beside the file of trials
 KEY = ("participant", "haptic", "rotation", "item")  # of a rating; a file has one for each block
@@ -78,7 +78,8 @@ def read_questionnaires(path: str | os.PathLike[str]) -> pd.DataFrame:
     haptic, rotation, item (str), block and value (int64).
 
     Raises InputError with the file, the line and the column for other columns, a value that its item
-    does not permit, a repeated answer, and for more than MOST_PARTICIPANTS.
+    does not permit, a repeated answer, and for more than MOST_PARTICIPANTS; and as check_haptic()
+    does.
     """
     rows = measured.read_rows(pathlib.Path(path), columns(), ROW)
     for line, (item, value) in enumerate(zip(rows["item"], rows["value"]), start=2):
@@ -89,6 +90,10 @@ def read_questionnaires(path: str | os.PathLike[str]) -> pd.DataFrame:
             error = tables.field_error(line, "value", str(value),
                                        f"{words}, because the item is {item}")
             raise InputError(os.fspath(path), error.element, error.problem)
+    try:
+        check_haptic(rows)
+    except InputError as error:
+        raise InputError(os.fspath(path), error.element, error.problem, error.hint) from None
     people = rows["participant"].nunique()
     if people > MOST_PARTICIPANTS:
         raise InputError(os.fspath(path), "column participant", f"has {people} levels; expected at "
@@ -104,7 +109,7 @@ def compare(rows: pd.DataFrame, file: str) -> Questionnaires:
     """rows: of read_questionnaires(). The answers of a participant in several blocks are averaged."""
     people = sorted(set(rows["participant"]), key=natural)
     there = set(zip(rows["haptic"], rows["rotation"]))
-    conditions = [each for each in product(HAPTIC, ROTATION) if each in there]
+    conditions = [each for each in product((*HAPTIC, *SEEN), ROTATION) if each in there]
     answers, unit = _over_blocks(rows)
     compared = []
     for rating in RATINGS:

@@ -195,8 +195,8 @@ def paper_mean(
     experiment: Experiment, outcome: Outcome, haptic: str, rotation: str, object_: str = "all"
 ) -> tuple[float, float] | None:
     """The paper's mean and standard deviation of an outcome at these levels, if it has them. Its
-    contact angles are those of UaH."""
-    if object_ != "all":
+    contact angles are those of UaH. None of it is of a force that was seen."""
+    if object_ != "all" or experiment.is_seen:
         return None
     if outcome is ANGLE:
         only = experiment.levels["Haptic"]

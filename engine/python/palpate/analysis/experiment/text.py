@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping
 
 from .analysis import ExperimentAnalysis, OperatorAnalysis
-from .experiments import STATUS, Experiment, counts_text
+from .experiments import SEEN_CLAIM, STATUS, Experiment, counts_text
 from .paper import FINDINGS, Finding, reason_by_construction
 from .questionnaire_page import terminal_lines
 from .verdicts import AGREES, DISAGREES, NOT_TESTABLE, UNDECIDED, VERDICTS
@@ -135,6 +135,8 @@ def terminal_text(analysis: ExperimentAnalysis) -> str:
     if analysis.pilot_rows:
         rows = counted(analysis.pilot_rows, "row of a pilot run", "rows of a pilot run")
         lines.append(f"{rows}: left out")
+    if any(experiment.is_seen for experiment in analysis.experiments):
+        lines.append(f"seen-UaH and seen-H: {SEEN_CLAIM}")
     lines.append(
         f"the paper's {len(FINDINGS)} findings, {leading.experiment.name}: "
         f"{verdict_counts_text(leading)}"

@@ -13,6 +13,8 @@ from scipy.sparse.csgraph import connected_components
 
 from palpate.analysis.errors import InputError, printable
 from palpate.analysis.experiment.experiments import (
+    SEEN,
+    SEEN_CLAIM,
     Experiment,
     Variant,
     experiments_of,
@@ -129,7 +131,8 @@ def experiment_of(frame: pd.DataFrame, following: str, design: Design) -> Experi
     """The trials of one following, beside practice and trials at other levels of Haptic than those
     of the design.
 
-    Raises InputError as experiments_of() does, and for trials with a strategy, several followings,
+    Raises InputError as experiments_of() does, and for trials with a strategy or a seen force,
+    several followings,
     a following that is not there, and several variants.
     """
     with_strategy = frame[frame["strategy"] != ""]
@@ -138,6 +141,10 @@ def experiment_of(frame: pd.DataFrame, following: str, design: Design) -> Experi
         raise InputError("", "column strategy", f"is {row['strategy']} in a trial of participant "
                          f"{printable(row['participant'])}; expected trials with haptic and "
                          "rotation", "use the trials of `experiment run` or of people")
+    if len(seen := frame[frame["haptic"].isin(SEEN)]):
+        raise InputError("", "column haptic", f"is {seen.iloc[0]['haptic']} in a trial of participant "
+                         f"{printable(seen.iloc[0]['participant'])}; expected NoH, UaH and H: "
+                         f"{SEEN_CLAIM}")
     frame = _of_following(frame, following)
     if len(others := without_pilots(frame)):  # a pilot run alone counts
         frame = others
