@@ -85,6 +85,13 @@ bool is_there(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, failed));
 }
 
+bool is_inside(const fs::path& place, const fs::path& folder) {
+  std::error_code failed;
+  const fs::path from = fs::weakly_canonical(folder, failed);
+  const fs::path way = fs::weakly_canonical(place, failed).lexically_relative(from);
+  return !failed && !way.empty() && *way.begin() != "..";
+}
+
 std::optional<Error> read_rows(const fs::path& folder, Exported& found) {
   const fs::path trials = folder / kTrialsFile;
   auto rows = read_trials(trials.string());
@@ -379,6 +386,12 @@ std::optional<Error> place(const ExperimentExportRequest& request, const Exporte
     return Error{ErrorCode::kFileUnwritable, out.string(), "",
                  "exists already; expected a new folder",
                  "choose another name with --out, or remove the folder"};
+  }
+  if (is_inside(out, request.folder)) {
+    return Error{ErrorCode::kFileUnwritable, out.string(), "",
+                 "is inside of the folder of the experiment, where `experiment forget` would not "
+                 "find it",
+                 "choose a folder beside it with --out"};
   }
   const fs::path hidden = out.parent_path() / ("." + out.filename().string() + ".part");
   std::error_code failed;

@@ -106,6 +106,17 @@ std::optional<Error> check_stiffness(const ExperimentPlan& plan, const Guardable
   return std::nullopt;
 }
 
+std::string end_text(const LiveRun& run, const std::string& folder) {
+  const std::string step(name_of(run.course().step()));
+  if (!run.course().has_ended()) {
+    return "interrupted at: " + step + "; the same command goes on; rows in " + folder +
+           "/trials.csv";
+  }
+  return "the course ended at: " + step +
+         (run.keeps_data() ? "; rows in " + folder + "/trials.csv"
+                           : "; nothing of this participant is kept");
+}
+
 int run_person(ExperimentPlan plan, const ExperimentLiveRequest& request) {
   const auto page = embedded_live_page();
   if (!page) return refuse(no_page("experiment live"));
@@ -152,8 +163,7 @@ int run_person(ExperimentPlan plan, const ExperimentLiveRequest& request) {
   const auto error = (*run)->run(signal_flag());
   (*server)->stop();
   if (error) return refuse(*error);
-  std::cout << "the course ended at: " << name_of((*run)->course().step()) << "; rows in "
-            << request.out_dir << "/trials.csv\n";
+  std::cout << end_text(**run, request.out_dir) << "\n";
   return exit_code_after_signals(finish_output());
 }
 

@@ -111,7 +111,7 @@ std::optional<std::string> Course::take(const JournalEntry& entry) {
     fits = take_refresh();
   } else if (kind == "stop") {
     fits = !has_ended();
-    if (fits) step_ = CourseStep::kStopped;
+    if (fits) step_ = step_ <= CourseStep::kConsent ? CourseStep::kRefused : CourseStep::kStopped;
   }
   if (fits) return std::nullopt;
   return "does not follow in the step " + at;

@@ -61,7 +61,7 @@ struct CourseTrial {
 //                                     comes after the questionnaire. A condition of which all
 //                                     trials were skipped has none, and neither has practice
 //   {"kind": "refresh"}               repeats the instructions and one practice trial
-//   {"kind": "stop"}                  ends the course
+//   {"kind": "stop"}                  ends the course; before the consent it refuses it
 // Other kinds change nothing.
 class Course {
  public:

@@ -15,6 +15,7 @@
 
 #include "engine/report/write_error.h"
 #include "engine/report/write_whole.h"
+#include "engine/trials/deal/result_names.h"
 #include "engine/trials/trials_file.h"
 #include "io/gltf/file.h"
 
@@ -29,6 +30,11 @@ constexpr const char* kTextsFile = "texts.json";
 constexpr const char* kRecordings = "recordings";
 constexpr const char* kQuestionnaires = "questionnaires.csv";
 constexpr const char* kForgotten = "forgotten.csv";
+
+// Where a file is until it is complete.
+std::string part_of(const std::string& path) {
+  return path + ".part";
+}
 
 std::optional<Error> make_folder(const fs::path& path) {
   std::error_code failed;
@@ -72,6 +78,16 @@ std::string rows_of(const std::string& trials, int participant) {
   return rows;
 }
 
+// The answers in a questionnaires.csv that are of a participant.
+std::vector<QuestionnaireRow> ratings_of(const std::string& path, int participant) {
+  auto rows = read_questionnaires(path);
+  if (!rows) return {};
+  std::erase_if(*rows, [&](const QuestionnaireRow& row) {
+    return row.participant != std::to_string(participant);
+  });
+  return std::move(*rows);
+}
+
 // A folder that has the file has it with this text.
 std::optional<Error> check_same(const std::string& path, const std::string& text,
                                 const std::string& expected) {
@@ -110,7 +126,7 @@ std::string utc_now() {
 }
 
 std::optional<Error> write_synced(const std::string& path, std::string_view text) {
-  const std::string part = path + ".part";
+  const std::string part = part_of(path);
   const int descriptor =
       ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (descriptor < 0) return write_error(part, errno);
@@ -247,7 +263,19 @@ std::optional<Error> LiveFolder::forget_participant(int participant) const {
   }
   if (auto error = remove_participant(participant)) return error;
   if (auto error = write_rows_alone(participant, {})) return error;
-  return remove_ratings(participant);
+  if (auto error = remove_ratings(participant)) return error;
+  return remove_unfinished();
+}
+
+// What a program left that was killed while it wrote may have rows of anybody.
+std::optional<Error> LiveFolder::remove_unfinished() const {
+  for (const char* const name : {kTrialsFile, kQuestionnaires}) {
+    const std::string path = part_of((fs::path(folder_) / name).string());
+    std::error_code failed;
+    fs::remove(path, failed);
+    if (failed) return write_error(path, failed.value());
+  }
+  return std::nullopt;
 }
 
 // From a questionnaires.csv that no journal explains, too.
@@ -295,39 +323,37 @@ std::optional<Error> LiveFolder::write_rows(int participant,
 std::optional<Error> LiveFolder::write_rows_alone(int participant,
                                                   const std::vector<JournalEntry>& entries) const {
   const auto bytes =
-      read_regular_file((fs::path(folder_) / "trials.csv").string(), kMostTrialsBytes);
+      read_regular_file((fs::path(folder_) / kTrialsFile).string(), kMostTrialsBytes);
   std::string before;
   if (bytes) before.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   std::string text = trials_columns(TrialColumns::kLive) + "\n";
   CsvLines ratings(names_in(questionnaire_table()));
   bool has_ratings = false;
-  const auto take = [&](int person, const std::vector<JournalEntry>& of_person) {
-    text += rows_in(of_person);
-    for (const QuestionnaireRow& row : ratings_in(person, of_person)) {
-      add_questionnaire_row(ratings, row);
-      has_ratings = true;
-    }
+  const fs::path folder(folder_);
+  const std::string ratings_path = (folder / kQuestionnaires).string();
+  const auto take = [&](const std::string& rows, const std::vector<QuestionnaireRow>& answers) {
+    text += rows;
+    for (const QuestionnaireRow& row : answers) add_questionnaire_row(ratings, row);
+    has_ratings = has_ratings || !answers.empty();
   };
   const auto numbers = participants();
   if (!numbers) return numbers.error();
   for (const int other : *numbers) {
     if (other == participant) {
-      take(participant, entries);
+      take(rows_in(entries), ratings_in(participant, entries));
       continue;
     }
     const auto read = Journal::read(journal_path(other));
     if (!read && read.error().code == ErrorCode::kFileNotFound) continue;
     if (read) {
-      take(other, *read);
-    } else {
-      text += rows_of(before, other);  // a journal that is damaged does not take its rows along
+      take(rows_in(*read), ratings_in(other, *read));
+    } else {  // a journal that is damaged does not take its rows along
+      take(rows_of(before, other), ratings_of(ratings_path, other));
     }
   }
-  const fs::path folder(folder_);
-  if (auto error = write_synced((folder / "trials.csv").string(), text)) return error;
+  if (auto error = write_synced((folder / kTrialsFile).string(), text)) return error;
   if (has_ratings) {
-    const std::string path = (folder / kQuestionnaires).string();
-    if (auto error = write_synced(path, ratings.text())) return error;
+    if (auto error = write_synced(ratings_path, ratings.text())) return error;
   }
   return write_synced((folder / "columns.csv").string(), columns_csv(TrialColumns::kLive));
 }

@@ -55,6 +55,7 @@ class LiveFolder {
   explicit LiveFolder(std::string folder) : folder_(std::move(folder)) {}
   Result<std::vector<int>> participants() const;
   std::optional<Error> remove_ratings(int participant) const;
+  std::optional<Error> remove_unfinished() const;
   Result<std::string> forgotten_text() const;
   std::optional<Error> write_rows_alone(int participant,
                                         const std::vector<JournalEntry>& entries) const;

@@ -15,7 +15,8 @@ using Message = nlohmann::json;
 
 constexpr std::uint64_t kMostId = std::uint64_t{1} << 53;
 constexpr std::size_t kMostTextBytes = 4000;
-constexpr std::size_t kMostNumbers = 100;
+constexpr std::size_t kMostTimes = 100;
+constexpr double kLongestTime_ms = 1e9;  // 11 days after the page was opened
 constexpr std::size_t kMostAnswers = 10;
 
 enum class Value : std::uint8_t {
@@ -23,7 +24,7 @@ enum class Value : std::uint8_t {
   kFlag,
   kWhole,
   kNumber,
-  kNumbers,
+  kTimes,
   kTexts,
   kFlagOrNull,
   kNumberOrNull,
@@ -63,7 +64,7 @@ constexpr std::array kTypes = {
                {"stroke_ratio", Value::kNumberOrNull}}}},
     TypeRule{"ready", kParticipantPage, {{{"trial", Value::kWhole}}}},
     TypeRule{"left", kParticipantPage, {{{"why", Value::kText}}}},
-    TypeRule{"frames", kParticipantPage, {{{"times_ms", Value::kNumbers}}}},
+    TypeRule{"frames", kParticipantPage, {{{"times_ms", Value::kTimes}}}},
     TypeRule{"pause", kParticipantPage},
     TypeRule{"go_on", kParticipantPage},
     TypeRule{"stop", kParticipantPage, {{{"keep", Value::kFlag}}}},
@@ -84,6 +85,12 @@ bool is_number(const Message& json) {
   return json.is_number() && std::isfinite(json.get<double>());
 }
 
+bool is_time(const Message& json) {
+  if (!is_number(json)) return false;
+  const double time_ms = json.get<double>();
+  return time_ms >= 0.0 && time_ms <= kLongestTime_ms;
+}
+
 bool is_text(const Message& json) {
   return json.is_string() && json.get_ref<const std::string&>().size() <= kMostTextBytes;
 }
@@ -98,9 +105,10 @@ bool fits(const Message& json, Value value) {
       return json.is_number_unsigned() && json.get<std::uint64_t>() <= kMostId;
     case Value::kNumber:
       return is_number(json);
-    case Value::kNumbers:
-      return json.is_array() && json.size() <= kMostNumbers &&
-             std::all_of(json.begin(), json.end(), is_number);
+    case Value::kTimes:
+      return json.is_array() && json.size() <= kMostTimes &&
+             std::all_of(json.begin(), json.end(), is_time) &&
+             std::is_sorted(json.begin(), json.end());
     case Value::kTexts:
       return json.is_object() && json.size() <= kMostAnswers &&
              std::all_of(json.begin(), json.end(), is_text);

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kMsPerS = 1000.0;
-constexpr std::size_t kMostTimes = 1000;  // a second of the fastest display has fewer pictures
+constexpr std::size_t kMostPictures = 1000;  // a second of the fastest display has fewer pictures
 
 }  // namespace
 
@@ -20,7 +20,7 @@ void DrawnPictures::add(const std::vector<double>& times_ms) {
     last_ms_ = time_ms;
     ++count;
     newest_ms_.push_back(time_ms);
-    while (newest_ms_.back() - newest_ms_.front() > kMsPerS || newest_ms_.size() > kMostTimes) {
+    while (newest_ms_.back() - newest_ms_.front() > kMsPerS || newest_ms_.size() > kMostPictures) {
       newest_ms_.pop_front();
     }
   }

@@ -82,6 +82,22 @@ std::optional<std::string> problem_of_ratings(const nlohmann::json& answers) {
   return std::nullopt;
 }
 
+// UaH on a device that pushes along every axis that it senses would be H.
+std::optional<Error> check_masked(const ExperimentPlan& plan) {
+  const RunSettings& device = plan.device;
+  const int pushed = device.actuated_axes.empty()
+                         ? device.actuators.value_or(device.default_actuators)
+                         : static_cast<int>(device.actuated_axes.size());
+  for (std::size_t i = 0; i < plan.haptic.size() && pushed >= device.sensors; ++i) {
+    if (force_of(kHapticLevels[plan.haptic[i]].value) != ForceMode::kActuated) continue;
+    const std::string name(kHapticNames[plan.haptic[i]]);
+    return Error{ErrorCode::kInvalidContent, plan.path, "/haptic/" + std::to_string(i),
+                 "is " + name + ", but /device/actuators has every sensed axis, as the full force",
+                 "state the axis that UaH leaves: 1 actuator, also for a board with two motors"};
+  }
+  return std::nullopt;
+}
+
 // A misspelt key would leave a word in English.
 std::optional<Error> check_words(const ExperimentPlan& plan) {
   const Json known = Json::parse(live_words_json());
@@ -125,6 +141,7 @@ std::optional<Error> check_live(const ExperimentPlan& plan, int participant) {
                  "begin with `experiment plan paper-live-mouse`"};
   }
   if (auto error = check_words(plan)) return error;
+  if (auto error = check_masked(plan)) return error;
   if (participant >= 1 && participant <= plan.participants) return std::nullopt;
   return invalid_argument("--participant",
                           "is " + std::to_string(participant) + "; expected 1 to " +
@@ -263,10 +280,11 @@ void LiveRun::take_trip(const JournalEntry& entry) {
 // Does what was asked for when the course ended, unless it was done then.
 Error LiveRun::end_of_course() {
   const std::string name(name_of(course_.step()));
-  if (course_.step() == CourseStep::kStopped) {
-    forgets_ = !journal_.entries().back().value("keep", true);
-  }
-  const bool removes = forgets_ || course_.step() == CourseStep::kRefused;
+  const auto& entries = journal_.entries();
+  const auto stop = std::find_if(entries.rbegin(), entries.rend(),
+                                 [](const JournalEntry& entry) { return entry["kind"] == "stop"; });
+  if (stop != entries.rend()) forgets_ = !stop->value("keep", true);
+  const bool removes = !keeps_data();
   const std::string path = journal_.path();
   if (auto error = put_away()) return *error;
   return {ErrorCode::kInvalidArgument, path, "",
@@ -404,6 +422,10 @@ void LiveRun::announce() {
 // A message of a page while no trial runs.
 std::optional<Error> LiveRun::handle(const LiveRequest& request) {
   const std::string& type = request.type;
+  if (course_.has_ended()) {  // such as a second click on Stop
+    pages_.answer(request, "the course has ended");
+    return std::nullopt;
+  }
   if (type == "next") return go_on_from(request);
   if (type == "consent") return take_consent(request);
   if (type == "about") return take_about(request);

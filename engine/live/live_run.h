@@ -80,6 +80,9 @@ class LiveRun {
   // An earlier run of this participant has left entries.
   bool is_resumed() const { return is_resumed_; }
 
+  // What this participant did is kept: they have neither refused nor asked to delete it.
+  bool keeps_data() const { return !forgets_ && course_.step() != CourseStep::kRefused; }
+
   // Leads the participant to the end of the course, or until `stop` is requested, which ends a
   // trial that runs. Errors: the journal or a recording cannot be written; a device does not start.
   // What was finished is then on the disk.
@@ -146,6 +149,7 @@ class LiveRun {
   void take_last_pictures(Trial& trial);
   std::optional<CutReason> reason_to_cut(Trial& trial, const LiveRequest& request);
   void show_ring(Trial& trial);
+  std::optional<Error> pause_if_always_late(const Trial& trial);
   void tell_warnings(const PersonTrial& person);
   bool answer_again(const LiveRequest& request);
   std::optional<Error> carry_out_after_trial(const LiveRequest& request);
@@ -178,6 +182,7 @@ class LiveRun {
   std::optional<double> picture_rate_Hz_;  // at the participant's page, in the trial that runs
   std::optional<std::size_t> last_trial_;  // the planned one that this run has ended last
   std::set<std::string> told_warnings_;
+  int late_in_row_ = 0;           // attempts that the computer has cut, since one that it has not
   std::size_t trial_number_ = 0;  // of the `trial` messages of this run
   JournalEntry checked_;          // the newest input check; null: none
 };

@@ -28,6 +28,8 @@ constexpr auto kLookEvery = std::chrono::milliseconds(50);
 // than the longest time between two pictures, it draws none.
 constexpr double kReportPatience_s = 1.0;
 constexpr auto kLastReport = std::chrono::milliseconds(300);  // after trial_end
+// A computer that is too slow for the plan would repeat its trials for ever.
+constexpr int kMostLateInRow = 3;
 constexpr double kMostBytesPerTick = 400.0;  // more than a recording takes at rest or in contact
 
 double seconds_since(std::chrono::steady_clock::time_point time) {
@@ -50,10 +52,13 @@ bool leaves_trial_alone(const LiveRequest& request) {
   return request.type == "note" || request.type == "repeat";
 }
 
+// Why the participant's page has left a trial; other reasons are not its own to state.
 CutReason reason_of(const std::string& why) {
-  const auto place = std::find(kCutReasonNames.begin(), kCutReasonNames.end(), why);
-  if (place == kCutReasonNames.end()) return CutReason::kHidden;
-  return static_cast<CutReason>(place - kCutReasonNames.begin());
+  for (const CutReason reason :
+       {CutReason::kFocus, CutReason::kFullScreen, CutReason::kPointerLock}) {
+    if (why == kCutReasonNames[static_cast<std::size_t>(reason)]) return reason;
+  }
+  return CutReason::kHidden;
 }
 
 Json vector_json(const Vec3& v) {
@@ -276,8 +281,28 @@ std::optional<Error> LiveRun::run_trial(const StopFlag& stop) {
     if (auto error = handle(request)) return error;
   }
   if (trial.cut == CutReason::kTrip) return hold_after_trip(*trial.person);
+  if (auto error = pause_if_always_late(trial)) return error;
   if (course_.step() != CourseStep::kTrials) announce();
   return std::nullopt;
+}
+
+// Somebody has to look before the participant tries once more.
+std::optional<Error> LiveRun::pause_if_always_late(const Trial& trial) {
+  const bool is_late = trial.cut == CutReason::kLateFrames || trial.cut == CutReason::kLateTicks;
+  late_in_row_ = is_late ? late_in_row_ + 1 : 0;
+  if (late_in_row_ < kMostLateInRow || is_paused_ || course_.has_ended()) return std::nullopt;
+  late_in_row_ = 0;
+  is_paused_ = true;
+  if (settings_.warn) {
+    const auto reason = kCutReasonNames[static_cast<std::size_t>(*trial.cut)];
+    settings_.warn(std::to_string(kMostLateInRow) + " attempts in a row were aborted (" +
+                   std::string(reason) +
+                   "), and the course is paused: close other programs, or raise "
+                   "/live/longest_picture_s or /live/longest_lateness_s in a new plan");
+  }
+  auto error = note({{"kind", "pause"}, {"by", "program"}});
+  announce();
+  return error;
 }
 
 Result<std::unique_ptr<Recorder>> LiveRun::make_recorder(const PlannedTrial& planned,
@@ -410,10 +435,10 @@ void LiveRun::take_last_pictures(Trial& trial) {
 
 void LiveRun::take_pictures(Trial& trial, const LiveRequest& request) {
   const auto times_ms = request.body["times_ms"].get<std::vector<double>>();
+  if (times_ms.empty()) return;  // a page that draws nothing
   trial.pictures.add(times_ms);
   picture_rate_Hz_ = trial.pictures.rate_Hz();
   trial.last_report = Clock::now();
-  if (times_ms.empty()) return;
   trial.recorder->add_event("pictures", request.body["times_ms"].dump(), Recorder::EventTime::kNow);
 }
 

@@ -86,11 +86,12 @@ void read_words(ObjectReader& reader, LivePlan& live) {
   for (const auto& [key, value] : found->items()) {
     const bool is_word = value.is_string() &&
                          value.get_ref<const std::string&>().size() <= kMostWordBytes &&
+                         !is_blank(value.get_ref<const std::string&>()) &&
                          is_prose(value.get_ref<const std::string&>());
     if (!is_word) {
-      return reader.fail(
-          unexpected_value(element + "/" + key, value,
-                           "a text of at most " + std::to_string(kMostWordBytes) + " bytes"));
+      return reader.fail(unexpected_value(
+          element + "/" + key, value,
+          "a text of at most " + std::to_string(kMostWordBytes) + " bytes that is not blank"));
     }
     live.words[key] = value.get<std::string>();
   }

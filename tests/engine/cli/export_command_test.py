@@ -341,6 +341,7 @@ def check_what_is_requested(experiment, plain):
 def check_refusals(experiment):
     path = experiment.path
     experiment.expect_refused(["live", "--out", "dataset"], "dataset: exists already; expected a new")
+    experiment.expect_refused(["live", "--out", "live/new"], "live/new: is inside of the folder")
     experiment.expect_refused(["nowhere", "--out", "new"], "nowhere/trials.csv")
     experiment.expect_refused(["live"], "--out")
     experiment.expect_refused(["live", "--out", "new", "--with", "names"], "names")

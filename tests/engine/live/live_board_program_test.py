@@ -22,12 +22,20 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1] / "helpers")]
 from board_client import Board  # noqa: E402
 from live_program_test import plan_with, rows_of  # noqa: E402
 from page_client import Closed, PageClient  # noqa: E402
-from participant import CHECK, REPORT_S, STATE_BYTES, Participant, Program  # noqa: E402
+from participant import (  # noqa: E402
+    CHECK,
+    REPORT_S,
+    STATE_BYTES,
+    Participant,
+    Program,
+    page_ms,
+)
 from wall_follower import Record, WallFollower  # noqa: E402
 
 MS_PER_NS = 1e-6
 SHORT = {"limit_s": 4}  # trials that may end by their limit
 PRESS_M = 3e-3  # beyond the green sphere
+MOST_STARTS = 10
 TEAR_M = 0.4  # the hand pulls the board away with as many times its stiffness
 
 
@@ -90,7 +98,7 @@ class Holder(Participant):
                 self.page.ask("next", step="learning")
                 asked = now
             if now - reported > REPORT_S:
-                self.page.send({"type": "frames", "times_ms": [1000 * now]})
+                self.page.send({"type": "frames", "times_ms": [page_ms(now)]})
                 reported = now
 
     def next_record(self):
@@ -126,8 +134,8 @@ class Tests:
     def plan(self, **changes):
         plan = plan_with(self.models, haptic=["UaH", "H"], rotation=["NoR"], scale=[0.15],
                          sphere_radius_m=0.002, blocks=1, practice_blocks=0,
-                         device={"sensors": 2, "actuators": 2, "rate_Hz": 1000,
-                                 "stiffness_N_per_m": 300, "damping_Ns_per_m": 1}, **changes)
+                         device={"sensors": 2, "actuators": 1, "rate_Hz": 1000,
+                                 "stiffness_N_per_m": 150, "damping_Ns_per_m": 1}, **changes)
         plan["live"] = {**plan["live"], "input": "board"}
         del plan["live"]["about"]
         path = self.folder / "plan.json"
@@ -135,8 +143,14 @@ class Tests:
         return path
 
     def start(self, board, **changes):
-        return Program(self.program, self.plan(**changes), 1, self.folder / "out", "--without-realtime",
-                       "--device", f"hapi:port={board.port},torque-per-Nm=1,peak-torque=0.1")
+        for tried in range(MOST_STARTS):
+            try:
+                return Program(self.program, self.plan(**changes), 1, self.folder / "out", "--without-realtime",
+                               "--device", f"hapi:port={board.port},torque-per-Nm=1,peak-torque=0.1")
+            except RuntimeError as error:
+                # A busy machine is late at the port, and with that delay the wall would not be calm.
+                if "/device/stiffness_N_per_m" not in str(error) or tried + 1 == MOST_STARTS:
+                    raise
 
     def ends(self, run, board, holder, reason):
         """The course goes on to its end. One attempt was aborted, the first one of a trial, for this

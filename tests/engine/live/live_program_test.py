@@ -396,6 +396,17 @@ class Tests:
         assert run.end()[0] == 0
         assert list((self.folder / "out/participants").iterdir()) == [], "refusing leaves no data"
 
+    def test_stop_before_consent(self):
+        """Nothing is kept of somebody who has not consented."""
+        for steps, keep in ((0, True), (1, True), (1, False)):
+            run = Program(self.program, self.write(plan_with(self.models)), 1, self.folder / "out")
+            with PageClient(run.participant) as page:
+                if steps:
+                    assert page.ask("next", step="information") is None
+                assert page.ask("stop", keep=keep) is None
+            assert run.end()[0] == 0
+            assert not (self.folder / "out/participants/01").exists(), (steps, keep)
+
     # What the experimenter sees and may do, and what the journal keeps of it.
     def test_experimenter(self):
         out = self.folder / "out"
@@ -551,6 +562,52 @@ class Tests:
             self.refused(plan, "deleted now")
         assert not (out / "participants/01").exists()
 
+    def test_messages_after_a_stop(self):
+        """What comes behind a stop is not noted, and does not undo it."""
+        out = self.folder / "out"
+        run = Program(self.program, self.write(plan_with(self.models)), 1, out)
+        watcher = PageClient(run.experimenter)
+
+        def stop(number, participant):
+            page = participant.page
+            page.newest_state()
+            page.send({"type": "frames", "times_ms": [1.0]})  # the program waits for the last ones
+            page.send({"type": "stop", "id": 98, "keep": True})
+            page.send({"type": "stop", "id": 99, "keep": False})
+            page.expect("trial_end")
+            assert watcher.ask("note", text="gone") == "the course has ended"
+            raise Closed("stopped")
+
+        try:
+            Participant(run.participant, stop).follow()
+        except Closed:
+            pass
+        code, text = run.end()
+        assert code == 0 and "stopped; rows in" in text, (code, text)
+        assert [e["kind"] for e in journal_of(out)][-2:] == ["end", "stop"], journal_of(out)[-2:]
+
+    def test_reports_without_pictures(self):
+        """A page that reports no pictures draws none, and times that no page has are refused."""
+        plan = plan_with(self.models)
+        plan["live"] = {**plan["live"], "longest_picture_s": 0.25}
+        run = Program(self.program, self.write(plan), 1, self.folder / "out")
+
+        def report(number, participant):
+            page = participant.page
+            page.newest_state()
+            for wrong in ([-1.0], [2.0, 1.0], [1e308]):
+                assert page.ask("frames", times_ms=wrong) is not None, wrong
+            while not any(text["type"] == "trial_end" for text in page.texts):
+                page.send({"type": "frames", "times_ms": []})
+                page.read_frame()
+            page.expect("trial_end")
+            return True
+
+        assert Participant(run.participant, report).follow(until=("paused",)) == "paused"
+        assert "3 attempts in a row were aborted (late_frames)" in run.end(signal.SIGTERM)[1]
+        rows = [(r["status"], r["reason"]) for r in rows_of(self.folder / "out")]
+        assert rows == [("aborted", "late_frames")] * 3, rows
+
     def test_shared_folder(self):
         """Two programs in one folder, and a journal of a third participant that is damaged."""
         plan = self.write(plan_with(self.models, blocks=1, practice_blocks=0))
@@ -664,6 +721,8 @@ class Tests:
         self.refused(self.write({k: v for k, v in good.items() if k != "live"}), "/live: is missing")
         wrong = {**live, "words": {"go_onn": "Weiter"}}
         self.refused(self.write({**good, "live": wrong}), "/live/words/go_onn: is no word")
+        unnamed = {**live, "words": {"go_on": " "}}
+        self.refused(self.write({**good, "live": unnamed}), "/live/words/go_on: is \" \"")
         self.refused(self.write({**good, "scale": [1, 2]}), "/live: is in a plan with several")
         self.refused(self.write(good), "--device: is given", "--device", "hapi:port=/dev/null")
         seen = seen_plan(self.models)
@@ -675,6 +734,8 @@ class Tests:
         loose["device"] = {**DEVICE, "stiffness_N_per_m": 6000}
         self.refused(self.write(loose), "/live/grip/damping_Ns_per_m: is 0, with which the hand")
         board = {**live, "input": "board"}
+        both = {**good, "haptic": ["UaH", "H"], "device": {**DEVICE, "actuators": 2}, "live": board}
+        self.refused(self.write(both), "/haptic/0: is UaH", "--device", "hapi:port=/dev/null")
         self.refused(self.write({**good, "live": board}), "--device: is missing")
         assert not (self.folder / "out").exists(), "nothing is written"
 

@@ -13,6 +13,12 @@ RATING = {**{f"tlx_{name}": 5 * i for i, name in enumerate(TLX)}, "real": 6}
 TRIAL_STEPS = ("learning", "practice", "block")
 READERS = ("information", "instructions", "break", "debriefing")  # steps that `next` ends
 REPORT_S = 0.2  # from one report of pictures to the next
+OPENED_S = time.monotonic()
+
+
+def page_ms(now_s):
+    """performance.now() of a page that was opened when this file was loaded."""
+    return 1000 * (now_s - OPENED_S)
 
 
 class Program:
@@ -103,14 +109,14 @@ class Participant:
             while not self.page.states:
                 if any(text["type"] == "trial_end" for text in self.page.texts):
                     self.page.expect("trial_end")
-                    self.page.send({"type": "frames", "times_ms": [1000 * time.monotonic()]})
+                    self.page.send({"type": "frames", "times_ms": [page_ms(time.monotonic())]})
                     return
                 self.page.read_frame()
             record = Record(self.page.states[-1][STATE_BYTES:])
             self.aim(record, hand.target(record))
             now = time.monotonic()
             if now - reported > REPORT_S:
-                self.page.send({"type": "frames", "times_ms": [1000 * now]})
+                self.page.send({"type": "frames", "times_ms": [page_ms(now)]})
                 reported = now
 
 

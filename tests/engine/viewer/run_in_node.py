@@ -63,7 +63,7 @@ def browser(node, project, build, script, programs, is_test=True):
     pattern = [f"--test-name-pattern={only}"] if only else []
     os.environ.update({
         "PALPATE_CHROMIUM": chromium, "PALPATE_DRIVER": str(packages),
-        "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(programs),
+        "PALPATE_PROJECT": str(project), "PALPATE_PROGRAMS": os.pathsep.join(map(os.path.abspath, programs)),
         "PALPATE_PICTURES": str(build / "page_pictures"), "PALPATE_BUILD": str(build)})
     # Replaces this process, so that a signal reaches the test, which ends its programs.
     sys.stdout.flush()
@@ -72,7 +72,7 @@ def browser(node, project, build, script, programs, is_test=True):
 
 def main():
     kind, project, build, *rest = sys.argv[1:]
-    project, build = pathlib.Path(project), pathlib.Path(build)
+    project, build = pathlib.Path(project).resolve(), pathlib.Path(build).resolve()
     node = shutil.which("node")
     need(node, "Node, which ./run.sh view installs")
     work = build / "page_build"
@@ -83,7 +83,7 @@ def main():
     scripts = {"pictures": "make_pictures.mjs", "frames": "measure_frames.mjs",
                "pointer": "measure_pointer.mjs"}
     if kind in scripts:
-        os.environ["PALPATE_FOLDER"] = rest[0]
+        os.environ["PALPATE_FOLDER"] = os.path.abspath(rest[0])
         script = pathlib.Path(__file__).resolve().parent / "browser" / scripts[kind]
         return browser(node, project, build, script, rest[1:], is_test=False)
     require(work / "node_modules/three", "the bundled page")
