@@ -96,30 +96,40 @@ bool push_until(HapiDevice& device, const std::function<bool(const DeviceSample&
   });
 }
 
+// On a busy machine the board may be late three times in a row, and the device then gives up.
+// Another board and another start show the rest.
 TEST(HapiDevice, GivesSamplesSendsForcesAndEndsWithZero) {
   PALPATE_NEEDS(test::lack_of_terminals());
-  const auto board = open_board();
-  HapiDevice device(settings_of(*board));
-  const auto problem = device.start();
-  ASSERT_FALSE(problem) << *problem;
-  EXPECT_TRUE(device.health().is_good) << device.health().problem;
-  std::uint64_t last = 0;
-  EXPECT_TRUE(push_until(device, [&](const DeviceSample& sample) {
-    EXPECT_TRUE(sample.is_valid);
-    EXPECT_GE(sample.sequence, last);
-    last = sample.sequence;
-    return last > 100;
-  }));
-  EXPECT_TRUE(push_until(device, [&](const auto&) { return !is_zero(board->log().back()); }));
-  EXPECT_EQ(device.motors_now().size(), 2u);
-  EXPECT_GE(device.descriptor(), 0);
-  // The session commands zero before stop(); the driver sends it.
-  device.command({});
-  device.stop();
-  EXPECT_TRUE(wait_until([&] { return is_zero(board->log().back()); }));
-  EXPECT_GE(device.counts().answers, 100u);
-  EXPECT_NE(device.summary().find(" answers, "), std::string::npos);
-  EXPECT_EQ(device.descriptor(), -1);
+  constexpr int kMostStarts = 10;
+  for (int started = 1;; ++started) {
+    const auto board = open_board();
+    HapiDevice device(settings_of(*board));
+    const auto problem = device.start();
+    ASSERT_FALSE(problem) << *problem;
+    std::uint64_t last = 0;
+    const bool has_pushed = push_until(device, [&](const DeviceSample& sample) {
+      if (!device.health().is_good) return true;
+      EXPECT_TRUE(sample.is_valid);
+      EXPECT_GE(sample.sequence, last);
+      last = sample.sequence;
+      return last > 100 && !is_zero(board->log().back());
+    });
+    EXPECT_TRUE(has_pushed);
+    const DeviceHealth health = device.health();
+    const bool was_late = health.problem.find("did not answer") != std::string::npos;
+    if (was_late && started < kMostStarts) continue;
+    ASSERT_TRUE(health.is_good) << health.problem;
+    EXPECT_EQ(device.motors_now().size(), 2u);
+    EXPECT_GE(device.descriptor(), 0);
+    // The session commands zero before stop(); the driver sends it.
+    device.command({});
+    device.stop();
+    EXPECT_TRUE(wait_until([&] { return is_zero(board->log().back()); }));
+    EXPECT_GE(device.counts().answers, 100u);
+    EXPECT_NE(device.summary().find(" answers, "), std::string::npos);
+    EXPECT_EQ(device.descriptor(), -1);
+    return;
+  }
 }
 
 // On a busy machine the thread may be late; then another start measures again.
