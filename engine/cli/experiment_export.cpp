@@ -31,9 +31,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr std::array<std::string_view, 3> kExportParts = {"recordings", "notes", "about"};
-constexpr const char* kQuestionnairesFile = "questionnaires.csv";
-constexpr const char* kPlanCopy = "plan.json";
-constexpr const char* kTextsCopy = "texts.json";
 // Of the columns kAboutNames.
 constexpr std::array<std::string_view, kAboutNames.size()> kAboutMeanings = {
     "age in years, as the participant stated it", "gender, as the participant stated it",
@@ -112,7 +109,7 @@ std::optional<Error> read_rows(const fs::path& folder, Exported& found) {
 
 // The plan of a live experiment is a file; that of a run stands in run.json.
 std::optional<Error> read_plan(const fs::path& folder, Exported& found) {
-  const fs::path plan = folder / kPlanCopy;
+  const fs::path plan = folder / kPlanFile;
   const fs::path path = is_there(plan) ? plan : folder / kRunFile;
   const auto text = read_settings_text(path.string());
   if (!text) return text.error();
@@ -125,8 +122,8 @@ std::optional<Error> read_plan(const fs::path& folder, Exported& found) {
     return in_file(path, element, "is missing; expected a text");
   }
   found.name = json->at(name).get<std::string>();
-  if (!is_there(folder / kTextsCopy)) return std::nullopt;
-  const auto texts = read_settings_text((folder / kTextsCopy).string(), kMostTextsFileBytes);
+  if (!is_there(folder / kTextsFile)) return std::nullopt;
+  const auto texts = read_settings_text((folder / kTextsFile).string(), kMostTextsFileBytes);
   if (!texts) return texts.error();
   found.texts = *texts;
   return std::nullopt;

@@ -25,10 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kParticipants = "participants";
-constexpr const char* kPlanFile = "plan.json";
-constexpr const char* kTextsFile = "texts.json";
 constexpr const char* kRecordings = "recordings";
-constexpr const char* kQuestionnaires = "questionnaires.csv";
 constexpr const char* kForgotten = "forgotten.csv";
 
 // Where a file is until it is complete.
@@ -179,8 +176,8 @@ Result<LiveFolder> LiveFolder::open(const std::string& folder, const ExperimentP
   LiveFolder live(folder);
   const auto path = [&](const char* name) { return (fs::path(folder) / name).string(); };
   std::error_code failed;
-  if (fs::exists(path("run.json"), failed)) {
-    return Error{ErrorCode::kInvalidContent, path("run.json"), "",
+  if (fs::exists(path(kRunFile), failed)) {
+    return Error{ErrorCode::kInvalidContent, path(kRunFile), "",
                  "is of trials of simulated persons; expected a folder for people",
                  "choose another folder with --out"};
   }
@@ -269,7 +266,7 @@ std::optional<Error> LiveFolder::forget_participant(int participant) const {
 
 // What a program left that was killed while it wrote may have rows of anybody.
 std::optional<Error> LiveFolder::remove_unfinished() const {
-  for (const char* const name : {kTrialsFile, kQuestionnaires}) {
+  for (const char* const name : {kTrialsFile, kQuestionnairesFile}) {
     const std::string path = part_of((fs::path(folder_) / name).string());
     std::error_code failed;
     fs::remove(path, failed);
@@ -280,7 +277,7 @@ std::optional<Error> LiveFolder::remove_unfinished() const {
 
 // From a questionnaires.csv that no journal explains, too.
 std::optional<Error> LiveFolder::remove_ratings(int participant) const {
-  const std::string path = (fs::path(folder_) / kQuestionnaires).string();
+  const std::string path = (fs::path(folder_) / kQuestionnairesFile).string();
   const auto rows = read_questionnaires(path);
   if (!rows && rows.error().code == ErrorCode::kFileNotFound) return std::nullopt;
   if (!rows) return rows.error();
@@ -330,7 +327,7 @@ std::optional<Error> LiveFolder::write_rows_alone(int participant,
   CsvLines ratings(names_in(questionnaire_table()));
   bool has_ratings = false;
   const fs::path folder(folder_);
-  const std::string ratings_path = (folder / kQuestionnaires).string();
+  const std::string ratings_path = (folder / kQuestionnairesFile).string();
   const auto take = [&](const std::string& rows, const std::vector<QuestionnaireRow>& answers) {
     text += rows;
     for (const QuestionnaireRow& row : answers) add_questionnaire_row(ratings, row);
@@ -355,7 +352,7 @@ std::optional<Error> LiveFolder::write_rows_alone(int participant,
   if (has_ratings) {
     if (auto error = write_synced(ratings_path, ratings.text())) return error;
   }
-  return write_synced((folder / "columns.csv").string(), columns_csv(TrialColumns::kLive));
+  return write_synced((folder / kColumnsFile).string(), columns_csv(TrialColumns::kLive));
 }
 
 }  // namespace palpate

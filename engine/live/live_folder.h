@@ -16,6 +16,9 @@
 namespace palpate {
 
 inline constexpr std::string_view kJournalName = "journal.txt";
+inline constexpr const char* kPlanFile = "plan.json";
+inline constexpr const char* kTextsFile = "texts.json";
+inline constexpr const char* kQuestionnairesFile = "questionnaires.csv";
 
 // DIR/plan.json          the plan, as it was given; DIR/texts.json: what participants read
 // DIR/trials.csv         the rows of all participants; DIR/columns.csv explains the columns

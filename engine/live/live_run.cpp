@@ -17,7 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr auto kLookForRequestEvery = std::chrono::milliseconds(50);
 // Of screens: from a projector to a magnified one.
 constexpr NumberRange kPixelRange_per_mm{0.01, 1000.0};
 constexpr auto kPatienceAtEnd = std::chrono::milliseconds(500);
@@ -84,11 +83,11 @@ std::optional<std::string> problem_of_ratings(const nlohmann::json& answers) {
 
 // UaH on a device that pushes along every axis that it senses would be H.
 std::optional<Error> check_masked(const ExperimentPlan& plan) {
-  const RunSettings& device = plan.device;
-  const int pushed = device.actuated_axes.empty()
-                         ? device.actuators.value_or(device.default_actuators)
-                         : static_cast<int>(device.actuated_axes.size());
-  for (std::size_t i = 0; i < plan.haptic.size() && pushed >= device.sensors; ++i) {
+  const auto setup = make_setup(plan.device);
+  if (!setup) return setup.error();
+  const ActuationModel& actuation = setup->actuation;
+  if (actuation.actuators() < actuation.sensors()) return std::nullopt;
+  for (std::size_t i = 0; i < plan.haptic.size(); ++i) {
     if (force_of(kHapticLevels[plan.haptic[i]].value) != ForceMode::kActuated) continue;
     const std::string name(kHapticNames[plan.haptic[i]]);
     return Error{ErrorCode::kInvalidContent, plan.path, "/haptic/" + std::to_string(i),
@@ -340,7 +339,7 @@ std::optional<Error> LiveRun::lead(const StopFlag& stop) {
       error = run_trial(stop);
     } else if (!is_paused_ && before == CourseStep::kLearning) {
       error = touch_condition(stop);
-    } else if (const auto request = pages_.wait(kLookForRequestEvery)) {
+    } else if (const auto request = pages_.wait(kLookEvery)) {
       error = handle(*request);
     }
     if (error) return error;

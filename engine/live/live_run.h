@@ -93,6 +93,8 @@ class LiveRun {
   using Json = nlohmann::ordered_json;
   struct Trial;  // one that runs
 
+  static constexpr auto kLookEvery = std::chrono::milliseconds(50);  // for requests, between trials
+
   LiveRun(ExperimentPlan plan, const LiveRunSettings& settings, std::vector<ExperimentScene> scenes,
           std::vector<Vec3> starts_m, std::vector<Box> regions_m, LiveFolder folder,
           Journal journal, Course course);

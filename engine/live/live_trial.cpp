@@ -23,7 +23,6 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr auto kLookInTrialEvery = std::chrono::milliseconds(2);
-constexpr auto kLookEvery = std::chrono::milliseconds(50);
 // A page that draws reports its pictures four times a second. Without a report for this time more
 // than the longest time between two pictures, it draws none.
 constexpr double kReportPatience_s = 1.0;

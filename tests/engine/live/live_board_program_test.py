@@ -9,18 +9,17 @@ printed and not asserted: the machine may be busy.
 
 import json
 import math
-import os
 import pathlib
 import signal
 import sys
-import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "helpers")]
 
 from board_client import Board  # noqa: E402
-from live_program_test import plan_with, rows_of  # noqa: E402
+from live_program_test import plan_with, rows_of, run_all  # noqa: E402
+from needs import need_terminals  # noqa: E402
 from page_client import Closed, PageClient  # noqa: E402
 from participant import (  # noqa: E402
     CHECK,
@@ -237,16 +236,8 @@ class Tests:
         holder.page.hello["step"] = holder.page.expect("step", step="block")
         self.ends(run, board, holder, "trip")
 
-    def run_all(self):
-        only = os.environ.get("PALPATE_ONLY", "")  # runs the tests whose names have it
-        for name in sorted(name for name in dir(self) if name.startswith("test_") and only in name):
-            begin = time.monotonic()
-            with tempfile.TemporaryDirectory() as folder:
-                self.folder = pathlib.Path(folder)
-                getattr(self, name)()
-            print(f"{name}: {time.monotonic() - begin:.1f} s", flush=True)
-
 
 if __name__ == "__main__":
     program, models, board = (pathlib.Path(word).resolve() for word in sys.argv[1:])
-    Tests(str(program), models, str(board)).run_all()
+    need_terminals()
+    run_all(Tests(str(program), models, str(board)))

@@ -23,8 +23,9 @@ import threading
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "cli")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "cli"), str(HERE.parents[1] / "helpers")]
 
+from needs import need  # noqa: E402
 from page_client import Closed, PageClient  # noqa: E402
 from participant import RATING, Participant, Program  # noqa: E402
 from trial_measures_test import Ticks, measures  # noqa: E402
@@ -752,23 +753,22 @@ class Tests:
         journal.write_bytes(text.replace(b'"information"', b'"infornation"'))
         self.refused(plan, "its checksum does not fit")
 
-    def run_all(self):
-        only = os.environ.get("PALPATE_ONLY", "")  # runs the tests whose names have it
-        names = sorted(name for name in dir(self) if name.startswith("test_") and only in name)
-        for name in names:
-            begin = time.monotonic()
-            with tempfile.TemporaryDirectory() as folder:
-                self.folder = pathlib.Path(folder)
-                getattr(self, name)()
-            print(f"{name}: {time.monotonic() - begin:.1f} s", flush=True)
+
+def run_all(tests):
+    """Runs the methods test_... of an object with a program, each with a folder of its own."""
+    page = subprocess.run([tests.program, "view", "--licences"], capture_output=True, text=True)
+    need(page.returncode != 2, "a program with the page; run ./run.sh view once")
+    only = os.environ.get("PALPATE_ONLY", "")  # runs the tests whose names have it
+    for name in sorted(name for name in dir(tests) if name.startswith("test_") and only in name):
+        begin = time.monotonic()
+        with tempfile.TemporaryDirectory() as folder:
+            tests.folder = pathlib.Path(folder)
+            getattr(tests, name)()
+        print(f"{name}: {time.monotonic() - begin:.1f} s", flush=True)
 
 
 if __name__ == "__main__":
     os.environ.setdefault("PYTHONDONTWRITEBYTECODE", "1")
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # the program inherits it: a write then fails
-    page = subprocess.run([sys.argv[1], "view", "--licences"], capture_output=True, text=True)
-    if page.returncode == 2:
-        print("needs a program with the page; run ./run.sh view once")
-        sys.exit(77)
-    Tests(str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve(),
-          int(sys.argv[3])).run_all()
+    run_all(Tests(str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve(),
+                  int(sys.argv[3])))

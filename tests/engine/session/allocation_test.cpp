@@ -636,13 +636,16 @@ TEST(SilentView, PublishesTicksAndTakesChangesWithoutAllocating) {
 
 // ---- a trial of a person -----------------------------------------------------------------------
 
-TEST(SilentTrial, FollowsThePointerAndFindsWhoIsLostWithoutAllocating) {
-  const auto plan =
+class SilentTrial : public ::testing::Test {
+ protected:
+  Result<ExperimentPlan> plan =
       parse_plan(shipped_plan_text("paper-live-mouse", ""), "plan", PALPATE_MODELS_DIR);
-  ASSERT_TRUE(plan);
-  const auto scenes = load_experiment_scenes(*plan, {find_trial_way, run_trial});
-  ASSERT_TRUE(scenes);
-  const ExperimentScene& scene = scenes->front();
+  std::vector<ExperimentScene> scenes =
+      test::made(load_experiment_scenes(plan.value(), {find_trial_way, run_trial}));
+  const ExperimentScene& scene = scenes.front();
+};
+
+TEST_F(SilentTrial, FollowsThePointerAndFindsWhoIsLostWithoutAllocating) {
   RunSetup setup = scene.setup;
   setup.haptics.a4.enabled = true;
   const auto start_m = start_place_m(scene.scene, scene.way, plan->trial.sphere_radius_m);
@@ -671,13 +674,7 @@ TEST(SilentTrial, FollowsThePointerAndFindsWhoIsLostWithoutAllocating) {
 }
 
 // A hand that the pointer leads, at a wall that pushes it back.
-TEST(SilentTrial, LeadsAHandWithoutAllocating) {
-  const auto plan =
-      parse_plan(shipped_plan_text("paper-live-mouse", ""), "plan", PALPATE_MODELS_DIR);
-  ASSERT_TRUE(plan);
-  const auto scenes = load_experiment_scenes(*plan, {find_trial_way, run_trial});
-  ASSERT_TRUE(scenes);
-  const ExperimentScene& scene = scenes->front();
+TEST_F(SilentTrial, LeadsAHandWithoutAllocating) {
   RunSetup setup = scene.setup;
   setup.haptics.force = ForceMode::kFull;
   const Vec3 green_m = setup.haptics.initial_pose.point(scene.way.green_m);

@@ -3,14 +3,15 @@
 // screen has its own pixels, one and a half, and two for each CSS pixel.
 
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { isDeepStrictEqual } from "node:util";
 
-import { assertClean, button, kClosed, kPrograms, kProject, openPage, startProgram, until } from "./chromium.mjs";
+import { assertClean, button, kClosed, kPrograms, openPage, startProgram, until } from "./chromium.mjs";
 import { focusPage, openDesktop, press } from "./desktop.mjs";
+import { writeLivePlan } from "./live_plan.mjs";
 
 const kScreen = { width: 1280, height: 800 };
 const kCard_mm = 85.6;
@@ -23,21 +24,13 @@ const kFarthest_px = 1;
 const kObject = [0xff, 0xd6, 0x33]; // its colour
 const kColour = 8; // of 255
 const kRest_s = 0.2; // of the mouse, until Chromium knows its place
-const kTexts = { information: "Read this.", consent: "I agree.", instructions: "Touch it.", debriefing: "Thank you." };
 
 const folder = mkdtempSync(join(tmpdir(), "palpate-desktop-"));
 let program;
 let desktop;
 let css_px_per_mm; // at a scale of 1
 before(async () => {
-  const plan = join(folder, "plan.json");
-  writeFileSync(plan, JSON.stringify({
-    palpate_plan: 1, name: "desktop", seed: 7, participants: 1, blocks: 1, practice_blocks: 1,
-    device: { sensors: 2, actuators: 1, rate_Hz: 1000, stiffness_N_per_m: 1000, damping_Ns_per_m: 2 },
-    display_Hz: 40, sphere_radius_m: 0.006, limit_s: 120, haptic: ["NoH"], rotation: ["NoR"], scale: [0.4],
-    objects: { O1: join(kProject, "models/star.glb") }, operator: "people2005", followings: ["delayed"],
-    live: { input: "mouse", texts: kTexts, break_s: 0, longest_picture_s: 10, longest_lateness_s: 10 },
-  }));
+  const plan = writeLivePlan(folder, { scale: [0.4] });
   program = await startProgram(kPrograms[1], ["experiment", "live", plan, "--participant", "1",
                                               "--out", join(folder, "out")]);
 });

@@ -3,15 +3,16 @@
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import {
-  assertClean, button, closeAll, faultsOf, kClosed, kPrograms, kProject, openBrowser, openPage, pictureFolder,
+  assertClean, button, closeAll, faultsOf, kClosed, kPrograms, openBrowser, openPage, pictureFolder,
   startProgram, until,
 } from "./chromium.mjs";
+import { writeLivePlan } from "./live_plan.mjs";
 
 const kPython = process.env.PALPATE_PYTHON ?? "python3";
 
@@ -19,22 +20,11 @@ let browser;
 before(async () => (browser = await openBrowser()));
 after(() => closeAll(browser));
 
-function planOf(live) {
-  const texts = { information: "a", consent: "b", instructions: "c", debriefing: "d" };
-  return {
-    palpate_plan: 1, name: "short", seed: 7, participants: 3, blocks: 1, practice_blocks: 1,
-    device: { sensors: 2, actuators: 1, rate_Hz: 1000, stiffness_N_per_m: 1000, damping_Ns_per_m: 2 },
-    display_Hz: 40, sphere_radius_m: 0.006, limit_s: 3600, haptic: ["NoH"], rotation: ["NoR", "R"],
-    objects: { O1: `${kProject}/models/star.glb` }, operator: "people2005", followings: ["delayed"],
-    live: { input: "mouse", texts, break_s: 0, longest_picture_s: 10, longest_lateness_s: 10, ...live },
-  };
-}
-
 // Runs a test with the page, while a participant waits in the first trial. entries(): of the journal.
 async function withPage(run, live = {}) {
   const folder = mkdtempSync(join(tmpdir(), "palpate-experimenter-"));
-  writeFileSync(join(folder, "plan.json"), JSON.stringify(planOf(live)));
-  const program = await startProgram(kPrograms[1], ["experiment", "live", join(folder, "plan.json"),
+  const plan = writeLivePlan(folder, { limit_s: 3600, rotation: ["NoR", "R"], live });
+  const program = await startProgram(kPrograms[1], ["experiment", "live", plan,
     "--participant", "3", "--out", join(folder, "out")], 2);
   const person = spawn(kPython, ["-B", join(import.meta.dirname, "waiting_participant.py"), program.addresses[0],
     "debriefing"], { stdio: ["ignore", "inherit", "inherit"] });

@@ -10,13 +10,13 @@ import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { cpus, loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
 
-import { assertClean, button, kClosed, kPrograms, kProject, openPage, startProgram, until } from "./chromium.mjs";
+import { assertClean, button, kClosed, kPrograms, openPage, startProgram, until } from "./chromium.mjs";
 import { focusPage, openDesktop, press } from "./desktop.mjs";
+import { writeLivePlan } from "./live_plan.mjs";
 
 const kRates_Hz = [125, 1000]; // of the mouse
 const kSeconds = 10; // for each of them
 const kTurn = 50; // motions to one side before as many to the other
-const kTexts = { information: "Read this.", consent: "I agree.", instructions: "Touch it.", debriefing: "Thank you." };
 
 // Keeps which message each event made, and for each state its newest message, and when it was sent and received.
 function watchTimes() {
@@ -71,14 +71,7 @@ async function measure(desktop, page, rate_Hz) {
 }
 
 const folder = mkdtempSync(join(tmpdir(), "palpate-pointer-"));
-const plan = join(folder, "plan.json");
-writeFileSync(plan, JSON.stringify({
-  palpate_plan: 1, name: "pointer", seed: 7, participants: 1, blocks: 1, practice_blocks: 1,
-  device: { sensors: 2, actuators: 1, rate_Hz: 1000, stiffness_N_per_m: 1000, damping_Ns_per_m: 2 },
-  display_Hz: 40, sphere_radius_m: 0.006, limit_s: 120, haptic: ["NoH"], rotation: ["R"],
-  objects: { O1: join(kProject, "models/star.glb") }, operator: "people2005", followings: ["delayed"],
-  live: { input: "mouse", texts: kTexts, break_s: 0, longest_picture_s: 10, longest_lateness_s: 10 },
-}));
+const plan = writeLivePlan(folder, { rotation: ["R"] });
 const program = await startProgram(kPrograms[0], ["experiment", "live", plan, "--participant", "1",
                                                   "--out", join(folder, "out")]);
 const desktop = await openDesktop();

@@ -2,39 +2,27 @@
 // of the pointer and clicks only. The hand follows the contour by what the page is told of the contact.
 
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import {
-  assertClean, button, closeAll, kClosed, kPrograms, kProject, openBrowser, openPage, startProgram, until,
+  assertClean, button, closeAll, kClosed, kPrograms, openBrowser, openPage, startProgram, until,
 } from "./chromium.mjs";
+import { writeLivePlan } from "./live_plan.mjs";
 
 const kStep_m = 1.5e-3; // along the contour, from one state to the next
 const kDepth_m = 1e-3; // into the wall
 const kTurn = Math.PI / 9; // from one state to the next, once contact is lost
 const kWindow = { width: 640, height: 420 }; // drawn in software
 const kInputs = ["mouse", "pen", "touch"];
-const kTexts = { information: "Read this.", consent: "I agree.", instructions: "Touch <b>it</b>.", debriefing: "Thank you." };
 
 let browser;
 before(async () => (browser = await openBrowser()));
 after(() => closeAll(browser));
 
 const untilStep = (page, ...steps) => until(page, (all) => all.includes(window.palpate.step()), steps);
-
-function shortPlan(folder) {
-  const path = join(folder, "plan.json");
-  writeFileSync(path, JSON.stringify({
-    palpate_plan: 1, name: "short", seed: 7, participants: 1, blocks: 3, practice_blocks: 1,
-    device: { sensors: 2, actuators: 1, rate_Hz: 1000, stiffness_N_per_m: 1000, damping_Ns_per_m: 2 },
-    display_Hz: 40, sphere_radius_m: 0.006, limit_s: 120, haptic: ["NoH"], rotation: ["NoR"], scale: [0.4],
-    objects: { O1: join(kProject, "models/star.glb") }, operator: "people2005", followings: ["delayed"],
-    live: { input: "mouse", texts: kTexts, break_s: 0, about: ["age"], longest_picture_s: 10, longest_lateness_s: 10 },
-  }));
-  return path;
-}
 
 // The strokes of the input check, by events that state their own times.
 async function stroke(page) {
@@ -125,7 +113,8 @@ async function followContour(page, mouse) {
 
 test("a participant with a mouse takes the whole course", { timeout: 600_000 }, async () => {
   const folder = mkdtempSync(join(tmpdir(), "palpate-course-"));
-  const program = await startProgram(kPrograms[1], ["experiment", "live", shortPlan(folder), "--participant", "1",
+  const plan = writeLivePlan(folder, { blocks: 3, scale: [0.4], live: { about: ["age"] } });
+  const program = await startProgram(kPrograms[1], ["experiment", "live", plan, "--participant", "1",
                                                     "--out", join(folder, "out")]);
   try {
     const page = await openPage(browser, program.address, { viewport: kWindow });
